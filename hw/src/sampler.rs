@@ -1,0 +1,172 @@
+//! The state of the unit that stays the same from request to request: what an API calls a sampler.
+
+use crate::{coordinate::AddressMode, request::LodSource};
+
+/// Which program of taps answers a request (docs/numerics.md, section 5).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Filter {
+    /// The texel under the coordinate, level 0.
+    Point,
+    /// Four texels of level 0.
+    Bilinear,
+    /// Four texels of one whole level.
+    NearestMip,
+    /// Four texels of each of two levels (Williams 1983).
+    #[default]
+    Trilinear,
+    /// Four texels of the column pyramid and four of the row pyramid (Du & Wan).
+    Dipmap,
+}
+
+/// Which planes a pyramid holds (docs/numerics.md, section 2).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum PyramidKind {
+    /// Both axes halved together: the diagonal.
+    #[default]
+    Mipmap,
+    /// One axis halved at a time: the two edges, base shared.
+    Dipmap,
+}
+
+impl Filter {
+    /// The pyramid this filter reads.
+    #[must_use]
+    pub const fn pyramid(self) -> PyramidKind {
+        match self {
+            Self::Dipmap => PyramidKind::Dipmap,
+            _ => PyramidKind::Mipmap,
+        }
+    }
+
+    /// Whether each axis selects a level of its own.
+    #[must_use]
+    pub const fn level_per_axis(self) -> bool {
+        matches!(self, Self::Dipmap)
+    }
+
+    /// Whether the level of a request matters at all.
+    #[must_use]
+    pub const fn uses_level(self) -> bool {
+        !matches!(self, Self::Point | Self::Bilinear)
+    }
+}
+
+/// The log2 unit (docs/numerics.md, section 4.1).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Log2 {
+    /// Rounded to nearest, error at most 1/512 level.
+    #[default]
+    Exact,
+    /// Exponent and mantissa of the square, Herf's `trivalsq`: error -0.0469 to 0.
+    Herf,
+    /// Whole levels only, Herf's `ilog2`.
+    Ilog2,
+}
+
+/// How a filter of one whole level rounds (docs/numerics.md, section 4.2).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum LevelRounding {
+    /// The sharper level.
+    Floor,
+    /// Half goes to the blurrier level.
+    #[default]
+    Nearest,
+    /// OpenGL's rule: half goes to the sharper level.
+    Gl,
+}
+
+/// Where the datapath rounds (docs/numerics.md, section 6).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Rounding {
+    /// The exact weighted sum, half up, one shift.
+    #[default]
+    Once,
+    /// Every lerp to 8 bits, half up.
+    StagedRound,
+    /// Every lerp to 8 bits, truncated.
+    StagedTruncate,
+}
+
+/// Sampler state. The fields are public and checked by [`Sampler::check`] when a unit is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampler {
+    /// The tap program.
+    pub filter: Filter,
+    /// Address mode of the u and of the v axis.
+    pub address: [AddressMode; 2],
+    /// Bits of the bilinear fraction, 1 to 12.
+    pub filter_bits: u8,
+    /// Bits of the level fraction, 0 to 8.
+    pub lod_bits: u8,
+    /// Where the datapath rounds.
+    pub rounding: Rounding,
+    /// How [`crate::Request::scale`] is read.
+    pub lod_source: LodSource,
+    /// The log2 unit.
+    pub log2: Log2,
+    /// How filters of one whole level round it.
+    pub level_rounding: LevelRounding,
+    /// Added to the level before clamping, 8.8, within +-16.0.
+    pub bias: i16,
+    /// Smallest level, 8.8.
+    pub min_lod: i32,
+    /// Largest level, 8.8.
+    pub max_lod: i32,
+}
+
+impl Default for Sampler {
+    fn default() -> Self {
+        Self {
+            filter: Filter::default(),
+            address: [AddressMode::Wrap; 2],
+            filter_bits: 8,
+            lod_bits: 8,
+            rounding: Rounding::default(),
+            lod_source: LodSource::default(),
+            log2: Log2::default(),
+            level_rounding: LevelRounding::default(),
+            bias: 0,
+            min_lod: 0,
+            max_lod: 32 << 8,
+        }
+    }
+}
+
+/// A sampler setting that no unit can be built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SamplerError {
+    /// The setting.
+    pub key: &'static str,
+    /// Its value.
+    pub value: i64,
+    /// Smallest and largest value that would do.
+    pub range: (i64, i64),
+}
+
+impl core::fmt::Display for SamplerError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "{} = {} is outside {}..={}", self.key, self.value, self.range.0, self.range.1)
+    }
+}
+
+impl core::error::Error for SamplerError {}
+
+impl Sampler {
+    /// Refuses widths and levels the unit has no wires for.
+    ///
+    /// # Errors
+    /// The first setting out of range.
+    pub fn check(&self) -> Result<(), SamplerError> {
+        let rows = [
+            ("filter_bits", i64::from(self.filter_bits), (1, 12)),
+            ("lod_bits", i64::from(self.lod_bits), (0, 8)),
+            ("bias", i64::from(self.bias), (-16 << 8, 16 << 8)),
+            ("min_lod", i64::from(self.min_lod), (0, 32 << 8)),
+            ("max_lod", i64::from(self.max_lod), (0, 32 << 8)),
+        ];
+        match rows.into_iter().find(|&(_, value, (low, high))| !(low..=high).contains(&value)) {
+            Some((key, value, range)) => Err(SamplerError { key, value, range }),
+            None => Ok(()),
+        }
+    }
+}
