@@ -1,1 +1,5 @@
-fn main() {}
+//! The `texunit` command.
+
+fn main() -> std::process::ExitCode {
+    texunit::cli::main()
+}

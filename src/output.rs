@@ -1,0 +1,41 @@
+//! Files are written whole or not at all: to a temporary name beside the target, then renamed.
+
+use std::{
+    fs,
+    io::{BufWriter, Write},
+    path::Path,
+};
+
+use crate::error::{Error, Result};
+
+/// Writes `path` through `fill`; on any failure the target is left as it was.
+///
+/// # Errors
+/// [`Error::Io`] naming `path`.
+pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let write = || -> std::io::Result<()> {
+        let mut file = tempfile::Builder::new().prefix(".texunit-").suffix(".tmp").tempfile_in(folder)?;
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            file.as_file().set_permissions(fs::Permissions::from_mode(0o644))?;
+        }
+        {
+            let mut buffered = BufWriter::with_capacity(1 << 20, file.as_file_mut());
+            fill(&mut buffered)?;
+            buffered.flush()?;
+        }
+        file.persist(path).map_err(|failed| failed.error)?;
+        Ok(())
+    };
+    write().map_err(Error::io(path))
+}
+
+/// Creates a folder and its parents.
+///
+/// # Errors
+/// [`Error::Io`] naming the folder.
+pub fn create_folder(path: &Path) -> Result<()> {
+    fs::create_dir_all(path).map_err(Error::io(path))
+}
