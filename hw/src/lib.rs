@@ -1,15 +1,41 @@
-//! The chip: a GPU texture unit in integers only.
+//! The chip: a GPU texture unit in integers only, one file per unit, in the order the data flows.
+//!
+//! Requests of 12.20 coordinates come in, exact texels go out; between the address unit and the datapath the address
+//! stream passes whoever counts it. Every width and rounding is stated in docs/numerics.md.
+//!
+//! There is no float arithmetic here, no input or output, and no clock but its own: floats enter as the bits of their
+//! `u32` or `u64`.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(clippy::float_arithmetic, clippy::float_cmp)]
 
 extern crate alloc;
 
-pub mod coordinate;
 pub mod request;
 pub mod sampler;
 
+pub mod coordinate;
+pub mod lod;
+mod log2_table;
+pub mod taps;
+
+pub mod address;
+pub mod format;
+pub mod layout;
+pub mod surface;
+
+pub mod datapath;
+pub mod memory;
+
+pub mod unit;
+
+pub use address::Footprint;
 pub use coordinate::AddressMode;
+pub use datapath::Texel;
 pub use fixed::types::I12F20;
+pub use format::Format;
+pub use layout::Layout;
 pub use request::{LodSource, Request, Response};
 pub use sampler::{Filter, LevelRounding, Log2, PyramidKind, Rounding, Sampler, SamplerError};
+pub use surface::{Surface, SurfaceError};
+pub use unit::{Batch, Sink, Unit, UnitError};

@@ -1,0 +1,122 @@
+//! The address unit: from a tap to the byte addresses of its texels.
+//!
+//! Layouts are separable, so each axis of each plane has one table from texel index to byte offset, and the address mode is
+//! folded into it: an index beyond the border simply has the entry of the texel that answers for it. One look-up is address mode
+//! and layout together, for every mode and every layout.
+
+use alloc::vec::Vec;
+
+use crate::{
+    coordinate::{AddressMode, COORDINATE_BITS, period_mask, resolve, texel_pair, texel_under},
+    surface::Surface,
+};
+
+/// An address with this bit or the one above is outside the texture: nothing is read, the texel is transparent black.
+const OUTSIDE: u64 = 1 << 62;
+
+/// Tables start at this index: clamped coordinates saturate two texels before the border.
+const FIRST_INDEX: i64 = -2;
+
+/// One axis of one plane.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    /// First entry in the tables.
+    start: usize,
+    /// Largest lower index a coordinate can saturate to.
+    last: i64,
+    size: u32,
+    mask: i64,
+}
+
+/// A tap with its addresses: all that the cache and the datapath need to know.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+pub struct Footprint {
+    /// Byte addresses of texels (i0, j0), (i1, j0), (i0, j1), (i1, j1); a point tap has the first only.
+    pub address: [u64; 4],
+    /// Bilinear fractions of u and v.
+    pub fraction: [u16; 2],
+    /// Weight of the tap in its request.
+    pub weight: u16,
+    /// Storage index of the plane.
+    pub plane: u16,
+}
+
+/// Whether an address from a [`Footprint`] lies outside the texture (clip only).
+#[inline]
+#[must_use]
+pub const fn is_outside(address: u64) -> bool {
+    address >= OUTSIDE
+}
+
+/// The address unit of one surface under one pair of address modes.
+#[derive(Clone, Debug)]
+pub struct AddressUnit {
+    axes: Vec<[Axis; 2]>,
+    tables: Vec<u64>,
+    filter_bits: u32,
+}
+
+impl AddressUnit {
+    /// Fills the tables.
+    #[must_use]
+    pub fn new(surface: &Surface, modes: [AddressMode; 2], filter_bits: u8) -> Self {
+        let mut tables = Vec::new();
+        let axes = surface
+            .planes
+            .iter()
+            .map(|plane| {
+                [0, 1].map(|axis| {
+                    let size = plane.size()[axis];
+                    let last = i64::from(if modes[axis] == AddressMode::Mirror { 2 * size } else { size });
+                    let start = tables.len();
+                    // The base is added once, by the u axis.
+                    let base = if axis == 0 { plane.base } else { 0 };
+                    tables.extend((FIRST_INDEX..=last + 1).map(|index| {
+                        resolve(index, size, modes[axis]).map_or(OUTSIDE, |texel| base + plane.offset(axis, texel))
+                    }));
+                    Axis { start, last, size, mask: period_mask(modes[axis]) }
+                })
+            })
+            .collect();
+        Self { axes, tables, filter_bits: filter_bits.into() }
+    }
+
+    /// Byte offsets of the two texels of a bilinear tap on one axis, and the fraction.
+    #[inline]
+    fn pair(&self, axis: &Axis, coordinate: i64) -> ([u64; 2], u32) {
+        let pair = texel_pair(coordinate & axis.mask, axis.size, self.filter_bits);
+        let entry = axis.start + (pair.lower.clamp(FIRST_INDEX, axis.last) - FIRST_INDEX) as usize;
+        ([self.tables[entry], self.tables[entry + 1]], pair.fraction)
+    }
+
+    /// A bilinear tap at a 12.20 coordinate of any width.
+    #[inline]
+    #[must_use]
+    pub fn bilinear(&self, plane: usize, u: i64, v: i64, weight: u16) -> Footprint {
+        let [axis_u, axis_v] = &self.axes[plane];
+        let ([left, right], fraction_u) = self.pair(axis_u, u);
+        let ([top, bottom], fraction_v) = self.pair(axis_v, v);
+        Footprint {
+            address: [left + top, right + top, left + bottom, right + bottom],
+            fraction: [fraction_u as u16, fraction_v as u16],
+            weight,
+            plane: plane as u16,
+        }
+    }
+
+    /// A point tap.
+    #[inline]
+    #[must_use]
+    pub fn point(&self, plane: usize, u: i64, v: i64, weight: u16) -> Footprint {
+        let [left, top] = [(0, u), (1, v)].map(|(axis, coordinate)| {
+            let axis = &self.axes[plane][axis];
+            let index = texel_under(coordinate & axis.mask, axis.size).clamp(FIRST_INDEX, axis.last);
+            self.tables[axis.start + (index - FIRST_INDEX) as usize]
+        });
+        Footprint { address: [left + top, 0, 0, 0], fraction: [0; 2], weight, plane: plane as u16 }
+    }
+}
+
+// Coordinates carry at most 40 bits into the scaler, sides 21: the product stays within 64.
+const _: () = assert!(40 + 21 < 63 && COORDINATE_BITS == 20);

@@ -1,0 +1,272 @@
+//! The surface: the planes of one texture, each with its base address (docs/numerics.md, section 2; docs/layouts.md).
+//!
+//! Three pyramids are one: a plane is named by how often each axis was halved, and a pyramid is a set of planes.
+
+use alloc::vec::Vec;
+
+use crate::{
+    format::Format,
+    layout::{Arrangement, Layout},
+    sampler::PyramidKind,
+};
+
+/// Which planes a pyramid of a texture has, in storage order.
+///
+/// ```
+/// use texunit_hw::{PyramidKind, surface::planes_of};
+/// assert_eq!(planes_of(PyramidKind::Mipmap, 4, 2), [(0, 0), (1, 1), (2, 1)]);
+/// assert_eq!(planes_of(PyramidKind::Dipmap, 4, 2), [(0, 0), (1, 0), (2, 0), (0, 1)]);
+/// ```
+#[must_use]
+pub fn planes_of(kind: PyramidKind, width: u32, height: u32) -> Vec<(u8, u8)> {
+    let [last_u, last_v] = last_levels(width, height);
+    match kind {
+        PyramidKind::Mipmap => (0..=last_u.max(last_v)).map(|level| (level.min(last_u), level.min(last_v))).collect(),
+        PyramidKind::Dipmap => (0..=last_u).map(|lu| (lu, 0)).chain((1..=last_v).map(|lv| (0, lv))).collect(),
+    }
+}
+
+/// `floor(log2)` of both sides: the last level of each axis.
+#[must_use]
+pub const fn last_levels(width: u32, height: u32) -> [u8; 2] {
+    [width.ilog2() as u8, height.ilog2() as u8]
+}
+
+/// One plane of a surface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plane {
+    /// How often the u axis was halved.
+    pub lu: u8,
+    /// How often the v axis was halved.
+    pub lv: u8,
+    /// Texels along u.
+    pub width: u32,
+    /// Texels along v.
+    pub height: u32,
+    /// Byte address of texel (0, 0).
+    pub base: u64,
+    arrangement: Arrangement,
+    element_bytes: u32,
+    /// Byte distance of the second and third read of a texel, for a layout that keeps channels apart.
+    pub(crate) channels: [u64; 2],
+}
+
+impl Plane {
+    /// Bytes between the plane's base and the texel's, along one axis (0 for u, 1 for v).
+    #[must_use]
+    pub fn offset(&self, axis: usize, index: u32) -> u64 {
+        self.arrangement.offset(axis, index) * u64::from(self.element_bytes)
+    }
+
+    /// Byte address of the first byte of a texel.
+    #[must_use]
+    pub fn address(&self, x: u32, y: u32) -> u64 {
+        self.base + self.offset(0, x) + self.offset(1, y)
+    }
+
+    /// Width and height.
+    #[must_use]
+    pub const fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+}
+
+/// A texture's planes laid out in one address space that starts at 0.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Surface {
+    /// Which planes.
+    pub kind: PyramidKind,
+    /// How they are arranged.
+    pub layout: Layout,
+    /// What a texel is stored as.
+    pub format: Format,
+    /// The planes in storage order.
+    pub planes: Vec<Plane>,
+    /// Bytes in all, padding included.
+    pub bytes: u64,
+    /// Last level of each axis.
+    pub last_levels: [u8; 2],
+}
+
+/// A surface that cannot be laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceError {
+    /// A side is zero or above [`LARGEST_SIDE`].
+    Size {
+        /// Texels along u.
+        width: u32,
+        /// Texels along v.
+        height: u32,
+    },
+    /// Williams' arrangement holds the Mipmap of a square texture.
+    Williams {
+        /// What was asked for.
+        kind: PyramidKind,
+        /// Texels along u.
+        width: u32,
+        /// Texels along v.
+        height: u32,
+    },
+    /// Blocks above 2^12 on a side, or a superblock smaller than its block.
+    Block(Layout),
+}
+
+/// The longest side of a texture: with it, every product in the coordinate unit stays within 64 bits.
+pub const LARGEST_SIDE: u32 = 1 << 20;
+
+impl core::fmt::Display for SurfaceError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Size { width, height } => {
+                write!(f, "a texture of {width} x {height}: each side must be 1 to {LARGEST_SIDE}")
+            }
+            Self::Williams { kind, width, height } => write!(
+                f,
+                "the williams layout holds the mipmap of a square texture, not the {kind:?} of {width} x {height}"
+            ),
+            Self::Block(layout) => {
+                write!(f, "{layout:?}: blocks are at most 2^12 on a side and not larger than their superblock")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SurfaceError {}
+
+/// Planes start at multiples of this, so that none shares a line of a usual cache with its neighbour.
+pub const PLANE_ALIGNMENT: u64 = 256;
+
+impl Surface {
+    /// Lays out the planes one after the other.
+    ///
+    /// ```
+    /// use texunit_hw::{Format, Layout, PyramidKind, Surface};
+    /// let surface = Surface::new(PyramidKind::Mipmap, Layout::RowMajor, Format::Rgba8, 256, 256)?;
+    /// assert_eq!(surface.planes[0].address(3, 2), 4 * (2 * 256 + 3));
+    /// assert_eq!(surface.planes[1].base, 4 * 256 * 256);
+    /// # Ok::<(), texunit_hw::SurfaceError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A size or a combination there is no layout for.
+    pub fn new(
+        kind: PyramidKind,
+        layout: Layout,
+        format: Format,
+        width: u32,
+        height: u32,
+    ) -> Result<Self, SurfaceError> {
+        let sides = 1..=LARGEST_SIDE;
+        if !sides.contains(&width) || !sides.contains(&height) {
+            return Err(SurfaceError::Size { width, height });
+        }
+        check_blocks(layout)?;
+        if layout == Layout::Williams {
+            return Self::williams(kind, format, width, height);
+        }
+        let element = u64::from(format.element_bytes());
+        let mut base = 0u64;
+        let planes = planes_of(kind, width, height)
+            .into_iter()
+            .map(|(lu, lv)| {
+                let size = [(width >> lu).max(1), (height >> lv).max(1)];
+                let arrangement = Arrangement::new(layout, size);
+                let plane = Plane {
+                    lu,
+                    lv,
+                    width: size[0],
+                    height: size[1],
+                    base,
+                    arrangement,
+                    element_bytes: format.element_bytes(),
+                    channels: [0; 2],
+                };
+                base = (base + arrangement.elements * element).next_multiple_of(PLANE_ALIGNMENT);
+                plane
+            })
+            .collect();
+        Ok(Self { kind, layout, format, planes, bytes: base, last_levels: last_levels(width, height) })
+    }
+
+    /// Williams 1983, figure 1: a square of one byte an element, twice the texture's side. Level l of side s has red at (s, 0), green at
+    /// (0, s) and blue at (s, s); the quadrant at the origin holds level l + 1, which is why any level is reached by a shift.
+    fn williams(kind: PyramidKind, format: Format, width: u32, height: u32) -> Result<Self, SurfaceError> {
+        if kind != PyramidKind::Mipmap || width != height {
+            return Err(SurfaceError::Williams { kind, width, height });
+        }
+        let pitch = 2 * u64::from(width);
+        let planes = planes_of(kind, width, height)
+            .into_iter()
+            .map(|(lu, lv)| {
+                let side = (width >> lu).max(1);
+                let red = u64::from(side);
+                let green = red * pitch;
+                Plane {
+                    lu,
+                    lv,
+                    width: side,
+                    height: side,
+                    base: red,
+                    arrangement: Arrangement::rows(pitch, side),
+                    element_bytes: 1,
+                    channels: [green - red, green],
+                }
+            })
+            .collect();
+        let bytes = pitch * pitch;
+        Ok(Self { kind, layout: Layout::Williams, format, planes, bytes, last_levels: last_levels(width, height) })
+    }
+
+    /// Reads a texel takes: one, or one a channel where the layout keeps channels apart.
+    #[must_use]
+    pub const fn reads_per_texel(&self) -> u32 {
+        if matches!(self.layout, Layout::Williams) { 3 } else { 1 }
+    }
+
+    /// Bytes one read asks for.
+    #[must_use]
+    pub const fn bytes_per_read(&self) -> u32 {
+        if matches!(self.layout, Layout::Williams) { 1 } else { self.format.element_bytes() }
+    }
+
+    /// The addresses a texel is read from; only the first [`Self::reads_per_texel`] count.
+    #[must_use]
+    pub fn texel_addresses(&self, plane: usize, x: u32, y: u32) -> [u64; 3] {
+        let plane = &self.planes[plane];
+        let first = plane.address(x, y);
+        [first, first + plane.channels[0], first + plane.channels[1]]
+    }
+
+    /// Storage index of a plane, if the pyramid holds it.
+    #[inline]
+    #[must_use]
+    pub fn index(&self, lu: u8, lv: u8) -> usize {
+        match self.kind {
+            PyramidKind::Mipmap => lu.max(lv) as usize,
+            PyramidKind::Dipmap => {
+                if lv == 0 {
+                    lu as usize
+                } else {
+                    self.last_levels[0] as usize + lv as usize
+                }
+            }
+        }
+    }
+
+    /// Number of the last level of a Mipmap's chain.
+    #[must_use]
+    pub fn last_level(&self) -> u8 {
+        self.last_levels[0].max(self.last_levels[1])
+    }
+}
+
+fn check_blocks(layout: Layout) -> Result<(), SurfaceError> {
+    let fits = match layout {
+        Layout::Tiled { log2_width, log2_height } => log2_width <= 12 && log2_height <= 12,
+        Layout::Blocked { block, superblock } => {
+            (0..2).all(|axis| superblock[axis] <= 12 && block[axis] <= superblock[axis])
+        }
+        _ => true,
+    };
+    if fits { Ok(()) } else { Err(SurfaceError::Block(layout)) }
+}
