@@ -1,0 +1,144 @@
+//! The one spelling of everything a user can choose: the same on the command line, in TOML, JSON, traces and documents.
+
+use serde::{Deserialize, Deserializer, Serializer, de};
+use texunit_hw::{AddressMode, Filter, Format, Layout, LevelRounding, Log2, PyramidKind, Rounding};
+
+/// A closed set of choices, each with a name.
+pub trait Named: Copy + PartialEq + 'static {
+    /// What is being chosen, for messages.
+    const WHAT: &'static str;
+    /// Every choice with its name, in the order they are listed to a user.
+    const ALL: &'static [(&'static str, Self)];
+
+    /// The name of this choice.
+    fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, choice)| *choice == self).map_or("unnamed", |(name, _)| name)
+    }
+
+    /// The choice of a name.
+    ///
+    /// # Errors
+    /// A sentence that lists the names there are.
+    fn from_name(name: &str) -> Result<Self, String> {
+        Self::ALL.iter().find(|(known, _)| *known == name).map(|(_, choice)| *choice).ok_or_else(|| {
+            let names: Vec<_> = Self::ALL.iter().map(|(name, _)| *name).collect();
+            format!("no {} is named `{name}`: use {}", Self::WHAT, names.join(", "))
+        })
+    }
+}
+
+macro_rules! names {
+    ($($type:ty, $what:literal { $($name:literal => $choice:expr),* $(,)? })*) => {
+        $(impl Named for $type {
+            const WHAT: &'static str = $what;
+            const ALL: &'static [(&'static str, Self)] = &[$(($name, $choice)),*];
+        })*
+    };
+}
+
+names! {
+    Filter, "filter" {
+        "point" => Self::Point,
+        "bilinear" => Self::Bilinear,
+        "nearest-mip" => Self::NearestMip,
+        "trilinear" => Self::Trilinear,
+        "dipmap" => Self::Dipmap,
+    }
+    PyramidKind, "pyramid" { "mipmap" => Self::Mipmap, "dipmap" => Self::Dipmap }
+    AddressMode, "wrap" { "wrap" => Self::Wrap, "clamp" => Self::Clamp, "clip" => Self::Clip, "mirror" => Self::Mirror }
+    Log2, "log2 unit" { "exact" => Self::Exact, "herf" => Self::Herf, "ilog2" => Self::Ilog2 }
+    LevelRounding, "level rounding" { "floor" => Self::Floor, "nearest" => Self::Nearest, "gl" => Self::Gl }
+    Rounding, "rounding" {
+        "once" => Self::Once, "staged-round" => Self::StagedRound, "staged-truncate" => Self::StagedTruncate,
+    }
+    Format, "format" { "rgba8" => Self::Rgba8 }
+}
+
+/// For `#[serde(with = "crate::names::by_name")]` on any [`Named`] field.
+pub mod by_name {
+    use super::{Deserialize, Deserializer, Named, Serializer, de};
+
+    /// Writes the name.
+    ///
+    /// # Errors
+    /// Those of the serializer.
+    pub fn serialize<T: Named, S: Serializer>(choice: &T, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(choice.name())
+    }
+
+    /// Reads a name.
+    ///
+    /// # Errors
+    /// An unknown name, with those there are.
+    pub fn deserialize<'de, T: Named, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+        T::from_name(&String::deserialize(deserializer)?).map_err(de::Error::custom)
+    }
+}
+
+/// For `#[serde(with = "crate::names::layout")]`.
+pub mod layout {
+    use super::{Deserialize, Deserializer, Layout, Serializer, de, layout_from_name, layout_name};
+
+    /// Writes the name.
+    ///
+    /// # Errors
+    /// Those of the serializer.
+    pub fn serialize<S: Serializer>(layout: &Layout, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&layout_name(*layout))
+    }
+
+    /// Reads a name.
+    ///
+    /// # Errors
+    /// See [`layout_from_name`].
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Layout, D::Error> {
+        layout_from_name(&String::deserialize(deserializer)?).map_err(de::Error::custom)
+    }
+}
+
+/// `row-major`, `tiled-4x4`, `morton`, `williams`, `blocked-4x4-64x64` (block, superblock).
+#[must_use]
+pub fn layout_name(layout: Layout) -> String {
+    match layout {
+        Layout::RowMajor => "row-major".into(),
+        Layout::Morton => "morton".into(),
+        Layout::Williams => "williams".into(),
+        Layout::Tiled { log2_width, log2_height } => format!("tiled-{}x{}", 1 << log2_width, 1 << log2_height),
+        Layout::Blocked { block: [a, b], superblock: [c, d] } => {
+            format!("blocked-{}x{}-{}x{}", 1 << a, 1 << b, 1 << c, 1 << d)
+        }
+    }
+}
+
+/// The layout of a name as [`layout_name`] writes it.
+///
+/// # Errors
+/// A sentence that lists the forms there are.
+pub fn layout_from_name(name: &str) -> Result<Layout, String> {
+    let complain = || {
+        format!(
+            "no layout is named `{name}`: use row-major, tiled-WxH, morton, williams or blocked-WxH-WxH, \
+             with W and H powers of two up to 4096"
+        )
+    };
+    let block = |text: &str| -> Option<[u8; 2]> {
+        let (width, height) = text.split_once('x')?;
+        let log2 = |side: &str| {
+            let side: u32 = side.parse().ok()?;
+            (side.is_power_of_two() && side <= 4096).then(|| side.trailing_zeros() as u8)
+        };
+        Some([log2(width)?, log2(height)?])
+    };
+    let parts: Vec<&str> = name.split('-').collect();
+    match parts.as_slice() {
+        ["row", "major"] => Some(Layout::RowMajor),
+        ["morton"] => Some(Layout::Morton),
+        ["williams"] => Some(Layout::Williams),
+        ["tiled", tile] => block(tile).map(|[log2_width, log2_height]| Layout::Tiled { log2_width, log2_height }),
+        ["blocked", small, large] => block(small).zip(block(large)).and_then(|(block, superblock)| {
+            (block[0] <= superblock[0] && block[1] <= superblock[1]).then_some(Layout::Blocked { block, superblock })
+        }),
+        _ => None,
+    }
+    .ok_or_else(complain)
+}
