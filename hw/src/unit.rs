@@ -6,7 +6,7 @@
 use alloc::{vec, vec::Vec};
 
 use crate::{
-    address::Footprint,
+    address::{Footprint, is_outside},
     datapath::{TexelSource, filter, filter_packed},
     memory::with_source,
     request::{Request, Response},
@@ -27,6 +27,28 @@ pub struct Batch<'b> {
     pub taps_per_request: usize,
     /// Texels of one tap, 1 or 4: how many addresses of a [`Footprint`] count.
     pub texels_per_tap: usize,
+    /// What the addresses are addresses of.
+    pub surface: &'b Surface,
+}
+
+impl Batch<'_> {
+    /// Calls `read` for each read of memory, in order of issue, with the storage index of the plane: once a texel, or once a
+    /// channel where the layout keeps channels apart; not at all for a texel outside the texture.
+    #[inline]
+    pub fn for_each_read(&self, mut read: impl FnMut(usize, u64)) {
+        let channels_apart = self.surface.reads_per_texel() > 1;
+        for tap in self.taps {
+            let plane = usize::from(tap.plane);
+            for &address in tap.address[..self.texels_per_tap].iter().filter(|&&address| !is_outside(address)) {
+                read(plane, address);
+                if channels_apart {
+                    for distance in self.surface.planes[plane].channels {
+                        read(plane, address + distance);
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Whoever looks at the address stream between the address unit and the datapath.
@@ -106,7 +128,7 @@ impl<'m> Unit<'m> {
         with_program!(self.sampler.filter, P => with_source!(self.surface, self.bytes, source => {
             for (requests, responses) in requests.chunks(BATCH).zip(responses.chunks_mut(BATCH)) {
                 let lods = responses.iter_mut().map(|response| &mut response.lod);
-                let batch = expand::<P>(&self.taps, requests, &mut self.footprints, lods);
+                let batch = expand::<P>(&self.taps, self.surface, requests, &mut self.footprints, lods);
                 sink.take(batch);
                 answer::<P>(&self.sampler, &source, batch, responses);
             }
@@ -118,7 +140,7 @@ impl<'m> Unit<'m> {
         with_program!(self.sampler.filter, P => {
             for requests in requests.chunks(BATCH) {
                 let mut lods = [[0u16; 2]; BATCH];
-                sink.take(expand::<P>(&self.taps, requests, &mut self.footprints, lods.iter_mut()));
+                sink.take(expand::<P>(&self.taps, self.surface, requests, &mut self.footprints, lods.iter_mut()));
             }
         });
     }
@@ -126,6 +148,7 @@ impl<'m> Unit<'m> {
 
 fn expand<'b, 'l, P: Program>(
     unit: &TapUnit,
+    surface: &'b Surface,
     requests: &[Request],
     footprints: &'b mut [Footprint],
     lods: impl Iterator<Item = &'l mut [u16; 2]>,
@@ -133,7 +156,7 @@ fn expand<'b, 'l, P: Program>(
     for ((request, taps), lod) in requests.iter().zip(footprints.chunks_exact_mut(P::TAPS)).zip(lods) {
         *lod = P::expand(unit, request, taps);
     }
-    Batch { taps: &footprints[..requests.len() * P::TAPS], taps_per_request: P::TAPS, texels_per_tap: P::TEXELS }
+    Batch { taps: &footprints[..requests.len() * P::TAPS], taps_per_request: P::TAPS, texels_per_tap: P::TEXELS, surface }
 }
 
 fn answer<P: Program>(sampler: &Sampler, source: &impl TexelSource, batch: Batch<'_>, responses: &mut [Response]) {

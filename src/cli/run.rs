@@ -1,0 +1,200 @@
+//! `texunit run`: the main job.
+
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+    sync::atomic::{AtomicBool, Ordering},
+};
+
+use image::RgbaImage;
+use indicatif::{ProgressBar, ProgressStyle};
+use texunit_hw::Filter;
+
+use crate::{
+    error::{Error, Result},
+    experiment::{Bench, Outcome, Pyramids, Stage, report},
+    machine::{Machine, parser},
+    names::Named,
+    output::{create_folder, write_whole},
+    scene::{self, Scene},
+};
+
+/// Render scenes through the texture unit, prove every pixel against the reference, and count the traffic.
+///
+/// Writes report.json, report.csv, and for every scene and filter the image and its difference from the ground truth.
+/// Exit status: 0 good, 1 a pixel differs from the reference, 2 bad use.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scenes: names of those that ship (`texunit scenes` lists them) or TOML files; all that ship if none is given
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Filters, all if none is given
+    #[arg(long, short, value_delimiter = ',', value_parser = parser::<Filter>())]
+    filters: Vec<Filter>,
+    /// Folder for reports and images
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    output: PathBuf,
+    /// Image size for every scene, instead of its own, for instance 1920x1080
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Print report.json on standard output instead of the tables
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    machine: super::MachineArgs,
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    text.split_once('x')
+        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]))
+        .filter(|size| size.iter().all(|side| (1..=16384).contains(side)))
+        .ok_or_else(|| "write WIDTHxHEIGHT, each 1 to 16384, for instance 1920x1080".into())
+}
+
+/// Set by Ctrl-C: what is finished is kept, what is not begun stays so.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad scenes, machines or folders.
+pub fn run(args: &Args) -> Result<ExitCode> {
+    let machine = args.machine.load()?;
+    let scenes = scenes(&args.scenes, args.size)?;
+    let filters: Vec<Filter> = if args.filters.is_empty() { Filter::ALL.iter().map(|(_, filter)| *filter).collect() } else { args.filters.clone() };
+    create_folder(&args.output)?;
+    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+    let progress = ProgressBar::new((scenes.len() * filters.len()) as u64).with_style(
+        ProgressStyle::with_template("{bar:24} {pos}/{len} {msg} (about {eta} left)").unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let mut written = Written { folder: &args.output, machine: &machine, scenes: Vec::new(), rows: Vec::new() };
+    let mut mismatches = 0;
+    let count = scenes.len();
+    for scene in scenes {
+        if STOP.load(Ordering::Relaxed) {
+            break;
+        }
+        progress.set_message(format!("{}: ground truth", scene.name));
+        let stage = Stage::new(scene);
+        let pyramids = Pyramids::for_filters(&machine, &stage.top, &filters)?;
+        let mut outcomes = Vec::new();
+        for &filter in &filters {
+            if STOP.load(Ordering::Relaxed) {
+                break;
+            }
+            progress.set_message(format!("{}: {}", stage.scene.name, filter.name()));
+            let (pyramid, memory) = pyramids.of(filter);
+            let outcome = Bench::new(&stage, &machine, filter, pyramid, memory).measure(&machine)?;
+            written.images(&stage, &outcome)?;
+            outcomes.push(outcome);
+            progress.inc(1);
+        }
+        written.report(&stage, &outcomes)?;
+        mismatches += outcomes.iter().map(|outcome| outcome.mismatches).sum::<u64>();
+        if !args.json {
+            progress.suspend(|| print_scene(&stage, &outcomes));
+        }
+    }
+    progress.finish_and_clear();
+    if args.json {
+        println!("{:#}", written.json());
+    }
+    if written.scenes.len() < count || STOP.load(Ordering::Relaxed) {
+        return Err(Error::Interrupted(args.output.clone()));
+    }
+    if !args.json {
+        println!("\nReports and images: {}", args.output.display());
+    }
+    Ok(if mismatches == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The scenes of names and files, all that ship if there are none.
+fn scenes(names: &[String], size: Option<[u32; 2]>) -> Result<Vec<Scene>> {
+    let mut scenes = if names.is_empty() { scene::built_in() } else { names.iter().map(|name| Scene::find(name)).collect::<Result<_>>()? };
+    if let Some(size) = size {
+        for scene in &mut scenes {
+            scene.size = size;
+        }
+    }
+    Ok(scenes)
+}
+
+fn print_scene(stage: &Stage, outcomes: &[Outcome]) {
+    let coverage = &stage.coverage;
+    let behind = if coverage.behind > 0 { format!(", {} behind the eye and left out", coverage.behind) } else { String::new() };
+    println!(
+        "\n{}: {}\n{} x {}, {} pixels covered{behind}; errors against {} samples a pixel of the unfiltered texture",
+        stage.scene.name,
+        stage.scene.description,
+        stage.scene.size[0],
+        stage.scene.size[1],
+        coverage.covered,
+        stage.scene.ground_truth.samples * stage.scene.ground_truth.samples,
+    );
+    println!("{}", report::table(outcomes));
+    for outcome in outcomes {
+        if outcome.undefined > 0 {
+            println!("{}: {} coordinates without a place", outcome.filter.name(), outcome.undefined);
+        }
+        if let Some(first) = outcome.first_mismatch {
+            println!("{}: {} MISMATCHES; the first: {first:?}", outcome.filter.name(), outcome.mismatches);
+        }
+    }
+}
+
+/// What has been written so far.
+struct Written<'a> {
+    folder: &'a Path,
+    machine: &'a Machine,
+    scenes: Vec<serde_json::Value>,
+    rows: Vec<(String, &'static str, Vec<report::Metric>)>,
+}
+
+impl Written<'_> {
+    /// Image and difference of one filter; the ground truth beside the first.
+    fn images(&self, stage: &Stage, outcome: &Outcome) -> Result<()> {
+        let folder = self.folder.join(&stage.scene.name);
+        if !folder.join("truth.png").exists() {
+            create_folder(&folder)?;
+            write_png(&folder.join("truth.png"), &stage.truth.image())?;
+        }
+        let name = outcome.filter.name();
+        let picture = stage.picture(outcome.responses.iter().map(|response| response.texel));
+        write_png(&folder.join(format!("{name}.png")), &picture)?;
+        write_png(&folder.join(format!("{name}-difference.png")), &difference(stage, outcome))
+    }
+
+    /// The reports anew, with one scene more: an interrupted run leaves those of the finished scenes.
+    fn report(&mut self, stage: &Stage, outcomes: &[Outcome]) -> Result<()> {
+        self.scenes.push(report::scene_json(stage, outcomes));
+        for outcome in outcomes {
+            self.rows.push((stage.scene.name.clone(), outcome.filter.name(), report::metrics(outcome)));
+        }
+        let json = format!("{:#}\n", self.json());
+        write_whole(&self.folder.join("report.json"), |file| file.write_all(json.as_bytes()))?;
+        write_whole(&self.folder.join("report.csv"), |file| report::write_csv(file, &self.machine.name, &self.rows))
+    }
+
+    fn json(&self) -> serde_json::Value {
+        report::report_json(self.machine, &std::env::args().collect::<Vec<_>>(), &self.scenes)
+    }
+}
+
+/// Middle grey where answer and truth agree, the signed difference of each channel around it.
+fn difference(stage: &Stage, outcome: &Outcome) -> RgbaImage {
+    let texels = stage.fragments.iter().zip(&outcome.responses).map(|(fragment, response)| {
+        let truth = stage.truth.at(fragment.x, fragment.y);
+        let channel = |c: usize| (128.0 + f32::from(response.texel[c]) - truth[c]).round().clamp(0.0, 255.0) as u8;
+        [channel(0), channel(1), channel(2), 255]
+    });
+    stage.picture(texels)
+}
+
+/// Writes a PNG whole or not at all.
+fn write_png(path: &Path, image: &RgbaImage) -> Result<()> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .map_err(|error| Error::file(path, "the image", error.to_string(), "report this: it should always be possible"))?;
+    write_whole(path, |file| file.write_all(bytes.get_ref()))
+}

@@ -1,0 +1,321 @@
+//! `texunit sample`: coordinates in, filtered texels out, a row per row.
+
+use std::{
+    fs::File,
+    io::{self, BufReader, Read, Write},
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use texunit_hw::{AddressMode, Filter, LodSource, Request, Response, Sampler, Unit};
+
+use crate::{
+    error::{Error, Result},
+    front_end::{FrontEnd, coordinates},
+    machine::{Machine, parser, to_level},
+    names::Named,
+    output::write_whole,
+    pyramid::Pyramid,
+    reference::{
+        Reference,
+        ideal::{Detail, Ideal, IdealSampler},
+    },
+    scene::{Fragment, Gradient},
+    texture_memory::TextureMemory,
+    texture_file,
+};
+
+/// Sample a texture at coordinates from a CSV file.
+///
+/// Columns of the input, named in its first line: `u,v,lod` (lod 0 is the texture itself, as in OpenGL), or
+/// `u,v,dudx,dvdx,dudy,dvdy` (normalised coordinates, change of u and v per pixel step). Columns of the output: `r,g,b,a`
+/// from 0 to 255 and `lod`, the level used; filters with a level per axis add `lod_v`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Image to sample, in any format texunit reads
+    #[arg(long, value_name = "FILE")]
+    texture: PathBuf,
+    /// Filter: point, bilinear, nearest-mip, trilinear, dipmap, ...
+    #[arg(long, value_parser = parser::<Filter>())]
+    filter: Filter,
+    /// Address mode of both axes: wrap, clamp, clip, mirror
+    #[arg(long, value_parser = parser::<AddressMode>(), default_value = "wrap")]
+    wrap: AddressMode,
+    /// Address mode of the v axis, where it differs
+    #[arg(long, value_parser = parser::<AddressMode>())]
+    wrap_v: Option<AddressMode>,
+    /// Coordinates, CSV; `-` for standard input
+    #[arg(long, value_name = "COORDS.csv")]
+    input: PathBuf,
+    /// Texels, CSV; `-` for standard output
+    #[arg(long, value_name = "OUT.csv")]
+    output: PathBuf,
+    /// Who answers: the chip, the float reference (the same bits), or the unquantised ideal (floats)
+    #[arg(long, value_enum, default_value = "hw")]
+    model: Model,
+    #[command(flatten)]
+    machine: super::MachineArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Model {
+    Hw,
+    Reference,
+    Ideal,
+}
+
+/// Rows sampled at a time.
+const BLOCK: usize = 1 << 14;
+
+/// What a row says beside u and v.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Columns {
+    Level,
+    Gradient,
+}
+
+const LEVEL_COLUMNS: &[&str] = &["u", "v", "lod"];
+const GRADIENT_COLUMNS: &[&str] = &["u", "v", "dudx", "dvdx", "dudy", "dvdy"];
+
+/// Runs the command.
+///
+/// # Errors
+/// Unreadable or malformed input, with its line; an output that cannot be written.
+pub fn run(args: &Args) -> Result<ExitCode> {
+    let machine = args.machine.load()?;
+    let address = [args.wrap, args.wrap_v.unwrap_or(args.wrap)];
+    let top = texture_file::load(&args.texture)?;
+    let pyramid = machine.texture.pyramid.pyramid(args.filter.pyramid(), &top)?;
+    let from_input: Box<dyn Read> = if args.input.as_os_str() == "-" {
+        Box::new(io::stdin().lock())
+    } else {
+        Box::new(BufReader::new(File::open(&args.input).map_err(Error::io(&args.input))?))
+    };
+    let mut rows = Rows::new(&args.input, from_input)?;
+    let session = Session { args, machine: &machine, address, pyramid: &pyramid };
+    if args.output.as_os_str() == "-" {
+        let mut output = io::BufWriter::new(io::stdout().lock());
+        session.answer(&mut rows, &mut output)?.map_or_else(
+            || Ok(ExitCode::SUCCESS),
+            |error| if error.kind() == io::ErrorKind::BrokenPipe { Ok(ExitCode::SUCCESS) } else { Err(Error::io("standard output")(error)) },
+        )
+    } else {
+        // The rows are read while the output is written: an error of the former must not leave half of the latter.
+        let mut failed = None;
+        let written = write_whole(&args.output, |output| match session.answer(&mut rows, output) {
+            Ok(None) => Ok(()),
+            Ok(Some(error)) => Err(error),
+            Err(error) => {
+                failed = Some(error);
+                Err(io::Error::other("input"))
+            }
+        });
+        failed.map_or(written, Err)?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+struct Session<'a> {
+    args: &'a Args,
+    machine: &'a Machine,
+    address: [AddressMode; 2],
+    pyramid: &'a Pyramid,
+}
+
+impl Session<'_> {
+    /// Answers every row; an error of the writer is returned inside, one of the rows outside.
+    fn answer(&self, rows: &mut Rows, output: &mut dyn Write) -> Result<Option<io::Error>> {
+        let source = if rows.columns == Columns::Level { LodSource::Explicit } else { LodSource::Gradient };
+        let sampler = self.machine.sampler(self.args.filter, self.address, source);
+        let per_axis = self.args.filter.level_per_axis();
+        let mut text = format!("r,g,b,a,lod{}\n", if per_axis { ",lod_v" } else { "" });
+        let mut block = Vec::with_capacity(BLOCK);
+        let mut sampled = self.sampler(&sampler)?;
+        let mut undefined = 0;
+        loop {
+            rows.block(&mut block)?;
+            undefined += sampled(&block, &mut text);
+            if let Err(error) = output.write_all(text.as_bytes()) {
+                return Ok(Some(error));
+            }
+            text.clear();
+            if block.is_empty() {
+                break;
+            }
+        }
+        if undefined > 0 {
+            eprintln!("texunit: {undefined} coordinates were NaN or infinite and were read as 0");
+        }
+        Ok(output.flush().err())
+    }
+
+    /// A function that appends the answers of a block of rows as CSV and counts coordinates without a place.
+    fn sampler<'s>(&'s self, sampler: &'s Sampler) -> Result<Box<dyn FnMut(&[Row], &mut String) -> u64 + 's>> {
+        use std::fmt::Write as _;
+        let per_axis = sampler.filter.level_per_axis();
+        if self.args.model == Model::Ideal {
+            let ideal = Ideal::new(self.pyramid, IdealSampler::from(sampler))?;
+            let front_end = self.front_end();
+            return Ok(Box::new(move |rows, text| {
+                for row in rows {
+                    let detail = match row.detail {
+                        RowDetail::Level(level) => Detail::Level([level; 2]),
+                        RowDetail::Gradient(_) => {
+                            let (request, _) = front_end.request(&row.fragment());
+                            Detail::SquaredRatio(request.scale.map(|bits| f64::from(f32::from_bits(bits))))
+                        }
+                    };
+                    let answer = ideal.sample([row.u, row.v], detail);
+                    let [r, g, b, a] = answer.texel;
+                    let _ = write!(text, "{r},{g},{b},{a},{}", answer.lod[0]);
+                    let _ = if per_axis { writeln!(text, ",{}", answer.lod[1]) } else { writeln!(text) };
+                }
+                0
+            }));
+        }
+        let mut fixed = self.fixed(sampler)?;
+        Ok(Box::new(move |rows, text| {
+            let mut undefined = 0;
+            let requests: Vec<Request> = rows
+                .iter()
+                .map(|row| {
+                    let (request, without_place) = self.request(row);
+                    undefined += without_place;
+                    request
+                })
+                .collect();
+            for response in fixed(&requests) {
+                let [r, g, b, a] = response.texel;
+                let [lod, lod_v] = response.lod.map(|level| f64::from(level) / 256.0);
+                let _ = write!(text, "{r},{g},{b},{a},{lod}");
+                let _ = if per_axis { writeln!(text, ",{lod_v}") } else { writeln!(text) };
+            }
+            undefined
+        }))
+    }
+
+    /// The two models that answer in bits.
+    fn fixed<'s>(&'s self, sampler: &'s Sampler) -> Result<Box<dyn FnMut(&[Request]) -> Vec<Response> + 's>> {
+        if self.args.model == Model::Reference {
+            let reference = Reference::new(self.pyramid, sampler)?;
+            return Ok(Box::new(move |requests| requests.iter().map(|request| reference.sample(request)).collect()));
+        }
+        let texture = TextureMemory::new(self.pyramid, self.machine.texture.layout, self.machine.texture.format)?;
+        Ok(Box::new(move |requests| {
+            let mut responses = vec![Response::default(); requests.len()];
+            let mut unit = Unit::new(sampler, &texture.surface, &texture.bytes).expect("the machine was checked");
+            unit.run(requests, &mut responses, &mut ());
+            responses
+        }))
+    }
+
+    fn front_end(&self) -> FrontEnd {
+        FrontEnd {
+            filter: self.args.filter,
+            address: self.address,
+            norm: self.machine.lod.norm,
+            rule: self.machine.lod.dipmap_rule,
+            size: [self.pyramid.width, self.pyramid.height],
+        }
+    }
+
+    fn request(&self, row: &Row) -> (Request, u64) {
+        match row.detail {
+            RowDetail::Level(level) => {
+                let ([u, v], undefined) = coordinates(row.u, row.v, self.address);
+                (Request { scale: [to_level(level).cast_unsigned(); 2], ..Request::at(u, v) }, undefined)
+            }
+            RowDetail::Gradient(_) => self.front_end().request(&row.fragment()),
+        }
+    }
+}
+
+/// One row of the input.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    u: f64,
+    v: f64,
+    detail: RowDetail,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum RowDetail {
+    Level(f64),
+    Gradient(Gradient),
+}
+
+impl Row {
+    fn fragment(&self) -> Fragment {
+        let gradient = match self.detail {
+            RowDetail::Gradient(gradient) => gradient,
+            RowDetail::Level(_) => Gradient::default(),
+        };
+        Fragment { x: 0, y: 0, u: self.u, v: self.v, gradient }
+    }
+}
+
+/// The rows of a CSV file, read in blocks.
+struct Rows {
+    path: PathBuf,
+    reader: csv::Reader<Box<dyn Read>>,
+    columns: Columns,
+    /// Where each column stands in a row.
+    places: Vec<usize>,
+    record: csv::StringRecord,
+}
+
+impl Rows {
+    fn new(path: &Path, input: Box<dyn Read>) -> Result<Self> {
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(input);
+        let names = reader.headers().map_err(|error| malformed(path, &error))?.clone();
+        let places = |columns: &[&str]| -> Option<Vec<usize>> {
+            columns.iter().map(|column| names.iter().position(|name| name == *column)).collect()
+        };
+        let known = |name: &&str| LEVEL_COLUMNS.contains(name) || GRADIENT_COLUMNS.contains(name);
+        let found = places(GRADIENT_COLUMNS)
+            .map(|places| (Columns::Gradient, places))
+            .or_else(|| places(LEVEL_COLUMNS).map(|places| (Columns::Level, places)))
+            .filter(|(_, places)| places.len() == names.len() && names.iter().all(|name| known(&name)));
+        let Some((columns, places)) = found else {
+            let problem = format!("the columns are `{}`", names.iter().collect::<Vec<_>>().join(","));
+            return Err(Error::file(path, "line 1", problem, "name them u,v,lod or u,v,dudx,dvdx,dudy,dvdy"));
+        };
+        Ok(Self { path: path.to_path_buf(), reader, columns, places, record: csv::StringRecord::new() })
+    }
+
+    /// Replaces `block` with the next rows; empty at the end.
+    fn block(&mut self, block: &mut Vec<Row>) -> Result<()> {
+        block.clear();
+        while block.len() < BLOCK && self.reader.read_record(&mut self.record).map_err(|error| malformed(&self.path, &error))? {
+            block.push(self.row()?);
+        }
+        Ok(())
+    }
+
+    fn row(&self) -> Result<Row> {
+        let line = self.record.position().map_or(0, csv::Position::line);
+        let wrong = |problem: String| {
+            Error::file(&self.path, format!("line {line}"), problem, "give one number for each column of the first line")
+        };
+        if self.record.len() != self.places.len() {
+            return Err(wrong(format!("{} values where {} columns are named", self.record.len(), self.places.len())));
+        }
+        let names = if self.columns == Columns::Level { LEVEL_COLUMNS } else { GRADIENT_COLUMNS };
+        let mut values = [0.0f64; 6];
+        for ((value, &place), name) in values.iter_mut().zip(&self.places).zip(names) {
+            let text = &self.record[place];
+            *value = text.parse().map_err(|_| wrong(format!("{name} = `{text}` is not a number")))?;
+        }
+        let [u, v, ux, vx, uy, vy] = values;
+        let detail = match self.columns {
+            Columns::Level => RowDetail::Level(ux),
+            Columns::Gradient => RowDetail::Gradient(Gradient { ux, uy, vx, vy }),
+        };
+        Ok(Row { u, v, detail })
+    }
+}
+
+fn malformed(path: &Path, error: &csv::Error) -> Error {
+    let line = error.position().map_or_else(|| "the file".into(), |position| format!("line {}", position.line()));
+    Error::file(path, line, error.to_string(), "give a CSV file in UTF-8 with one number for each column")
+}

@@ -1,0 +1,329 @@
+//! One scene through one filter of one machine: bits, hits, bytes, errors and host time.
+
+use std::time::Instant;
+
+use image::RgbaImage;
+use rayon::prelude::*;
+use texunit_hw::{
+    Filter, LodSource, PyramidKind, Request, Response, Sampler, Unit,
+    cache::{Counters, Detail as CacheDetail, PlaneCounters, TexelCache},
+};
+
+mod deviation;
+pub mod report;
+
+pub use deviation::Deviation;
+
+use crate::{
+    error::{Error, Result},
+    front_end::FrontEnd,
+    machine::Machine,
+    pyramid::{PlaneImage, Pyramid},
+    reference::{
+        Reference,
+        ideal::{Detail, Ideal, IdealSampler},
+    },
+    scene::{Coverage, Fragment, GroundTruth, Scene},
+    texture_memory::TextureMemory,
+};
+
+/// A scene with everything that does not depend on the filter.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// The scene.
+    pub scene: Scene,
+    /// Its fragments in pixel order.
+    pub fragments: Vec<Fragment>,
+    /// Which pixels they cover.
+    pub coverage: Coverage,
+    /// Its texture.
+    pub top: PlaneImage,
+    /// What an unlimited filter would show.
+    pub truth: GroundTruth,
+}
+
+impl Stage {
+    /// Rasterizes a scene and renders its ground truth.
+    #[must_use]
+    pub fn new(scene: Scene) -> Self {
+        let image = scene.texture.image();
+        let truth = GroundTruth::render(&scene, &image);
+        let mut fragments = Vec::new();
+        let coverage = scene.for_each_block(|block| fragments.extend_from_slice(block));
+        Self { top: PlaneImage::base(&image), scene, fragments, coverage, truth }
+    }
+
+    /// The image of answers, fragment by fragment; what no fragment covers is transparent black, as in the paper.
+    #[must_use]
+    pub fn picture(&self, texels: impl Iterator<Item = [u8; 4]>) -> RgbaImage {
+        let mut picture = RgbaImage::new(self.scene.size[0], self.scene.size[1]);
+        for (fragment, texel) in self.fragments.iter().zip(texels) {
+            picture.put_pixel(fragment.x.into(), fragment.y.into(), image::Rgba(texel));
+        }
+        picture
+    }
+}
+
+/// What one filter did with one scene.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The filter.
+    pub filter: Filter,
+    /// The sampler it ran with.
+    pub sampler: Sampler,
+    /// The answers, in pixel order.
+    pub responses: Vec<Response>,
+    /// Cache counters in all.
+    pub counters: Counters,
+    /// The same per plane, in storage order.
+    pub planes: Vec<PlaneRow>,
+    /// Bytes of the pyramid, padding included, and texels of all planes.
+    pub memory: PyramidMemory,
+    /// Coordinates that had no defined place.
+    pub undefined: u64,
+    /// Answers that differ from the reference, and the first of them.
+    pub mismatches: u64,
+    /// Where the first of them is, and both answers.
+    pub first_mismatch: Option<Mismatch>,
+    /// Deviation from the ground truth, in the eight bits of a channel.
+    pub against_truth: Deviation,
+    /// Deviation from the unquantised filter.
+    pub against_ideal: Deviation,
+    /// Wall time of this machine for the whole scene: texels and exact cache, one thread.
+    pub host_seconds: f64,
+}
+
+/// Cache counters of one plane.
+#[derive(Clone, Copy, Debug)]
+pub struct PlaneRow {
+    /// How often each axis was halved.
+    pub halvings: (u8, u8),
+    /// Width and height in texels.
+    pub size: [u32; 2],
+    /// What was read from it.
+    pub counters: PlaneCounters,
+}
+
+/// What a pyramid takes.
+#[derive(Clone, Copy, Debug)]
+pub struct PyramidMemory {
+    /// Texels of all planes.
+    pub texels: u64,
+    /// Texels of the texture itself.
+    pub texture_texels: u64,
+    /// Bytes laid out, padding included.
+    pub bytes: u64,
+}
+
+impl PyramidMemory {
+    /// Texels of all planes as a multiple of the texture's.
+    #[must_use]
+    pub fn multiple(&self) -> f64 {
+        self.texels as f64 / self.texture_texels as f64
+    }
+}
+
+/// Two answers that should be one.
+#[derive(Clone, Copy, Debug)]
+pub struct Mismatch {
+    /// The request.
+    pub request: Request,
+    /// What the chip said.
+    pub hw: Response,
+    /// What the reference said.
+    pub reference: Response,
+}
+
+/// Requests compared at a time by one thread.
+const SLICE: usize = 1 << 13;
+
+/// A filter bound to a stage: the parts that several measurements share.
+#[derive(Debug)]
+pub struct Bench<'s> {
+    stage: &'s Stage,
+    sampler: Sampler,
+    pyramid: &'s Pyramid,
+    memory: &'s TextureMemory,
+    /// The requests, in pixel order.
+    pub requests: Vec<Request>,
+    undefined: u64,
+}
+
+impl<'s> Bench<'s> {
+    /// Makes the requests.
+    #[must_use]
+    pub fn new(
+        stage: &'s Stage,
+        machine: &Machine,
+        filter: Filter,
+        pyramid: &'s Pyramid,
+        memory: &'s TextureMemory,
+    ) -> Self {
+        let address = stage.scene.texture.wrap;
+        let front_end = FrontEnd {
+            filter,
+            address,
+            norm: machine.lod.norm,
+            rule: machine.lod.dipmap_rule,
+            size: [pyramid.width, pyramid.height],
+        };
+        let (requests, undefined) = front_end.requests(&stage.fragments);
+        let sampler = machine.sampler(filter, address, LodSource::Gradient);
+        Self { stage, sampler, pyramid, memory, requests, undefined }
+    }
+
+    fn unit(&self) -> Result<Unit<'s>> {
+        Unit::new(&self.sampler, &self.memory.surface, &self.memory.bytes)
+            .map_err(|error| Error::setting("machine", self.sampler.filter as u8, error.to_string(), "change the machine"))
+    }
+
+    /// Runs chip, cache, reference and ideal.
+    ///
+    /// # Errors
+    /// A machine that cannot be built.
+    pub fn measure(&self, machine: &Machine) -> Result<Outcome> {
+        let surface = &self.memory.surface;
+        let mut unit = self.unit()?;
+        let mut responses = vec![Response::default(); self.requests.len()];
+        let mut cache = cache(machine, surface.bytes_per_read())?;
+        let begin = Instant::now();
+        unit.run(&self.requests, &mut responses, &mut cache);
+        let host_seconds = begin.elapsed().as_secs_f64();
+
+        let (mismatches, first_mismatch) = self.against_reference(&responses)?;
+        let planes = surface
+            .planes
+            .iter()
+            .zip(cache.planes().into_iter().chain(std::iter::repeat(PlaneCounters::default())))
+            .map(|(plane, counters)| PlaneRow { halvings: (plane.lu, plane.lv), size: plane.size(), counters })
+            .collect();
+        Ok(Outcome {
+            filter: self.sampler.filter,
+            sampler: self.sampler,
+            counters: cache.counters(),
+            planes,
+            memory: PyramidMemory {
+                texels: self.pyramid.planes.iter().map(|plane| plane.texels.len() as u64).sum(),
+                texture_texels: u64::from(self.pyramid.width) * u64::from(self.pyramid.height),
+                bytes: surface.bytes,
+            },
+            undefined: self.undefined,
+            mismatches,
+            first_mismatch,
+            against_truth: self.against_truth(&responses),
+            against_ideal: self.against_ideal(&responses)?,
+            host_seconds,
+            responses,
+        })
+    }
+
+    /// Counts answers that differ from the float reference in any bit of texel or level.
+    ///
+    /// # Errors
+    /// A reference that cannot be built.
+    pub fn against_reference(&self, responses: &[Response]) -> Result<(u64, Option<Mismatch>)> {
+        let reference = Reference::new(self.pyramid, &self.sampler)?;
+        let slices: Vec<(u64, Option<Mismatch>)> = self
+            .requests
+            .par_chunks(SLICE)
+            .zip(responses.par_chunks(SLICE))
+            .map(|(requests, responses)| {
+                let mut differing = requests.iter().zip(responses).filter_map(|(request, hw)| {
+                    let reference = reference.sample(request);
+                    (reference != *hw).then_some(Mismatch { request: *request, hw: *hw, reference })
+                });
+                let first = differing.next();
+                (u64::from(first.is_some()) + differing.count() as u64, first)
+            })
+            .collect();
+        let count = slices.iter().map(|(count, _)| count).sum();
+        Ok((count, slices.into_iter().find_map(|(_, first)| first)))
+    }
+
+    fn against_truth(&self, responses: &[Response]) -> Deviation {
+        let truth = &self.stage.truth;
+        let slices: Vec<Deviation> = self
+            .stage
+            .fragments
+            .par_chunks(SLICE)
+            .zip(responses.par_chunks(SLICE))
+            .map(|(fragments, responses)| {
+                fragments.iter().zip(responses).fold(Deviation::default(), |mut sum, (fragment, response)| {
+                    sum.add(response.texel.map(f64::from), truth.at(fragment.x, fragment.y).map(f64::from));
+                    sum
+                })
+            })
+            .collect();
+        slices.into_iter().fold(Deviation::default(), Deviation::merge)
+    }
+
+    fn against_ideal(&self, responses: &[Response]) -> Result<Deviation> {
+        let ideal = Ideal::new(self.pyramid, IdealSampler::from(&self.sampler))?;
+        let slices: Vec<Deviation> = self
+            .stage
+            .fragments
+            .par_chunks(SLICE)
+            .zip(self.requests.par_chunks(SLICE))
+            .zip(responses.par_chunks(SLICE))
+            .map(|((fragments, requests), responses)| {
+                let mut sum = Deviation::default();
+                for ((fragment, request), response) in fragments.iter().zip(requests).zip(responses) {
+                    let detail = Detail::SquaredRatio(request.scale.map(|bits| f64::from(f32::from_bits(bits))));
+                    let answer = ideal.sample([fragment.u, fragment.v], detail);
+                    sum.add(response.texel.map(f64::from), answer.texel);
+                }
+                sum
+            })
+            .collect();
+        Ok(slices.into_iter().fold(Deviation::default(), Deviation::merge))
+    }
+}
+
+/// The machine's cache, empty, for reads of `bytes`.
+///
+/// # Errors
+/// A geometry that cannot be built.
+pub fn cache(machine: &Machine, bytes: u32) -> Result<TexelCache> {
+    let shape = &machine.cache;
+    let wrong = |problem: String| {
+        let value = format!("{} sets x {} ways x {} bytes", shape.sets, shape.ways, shape.line);
+        Error::setting("cache", value, problem, "for instance 64 sets, 4 ways, 64 bytes a line")
+    };
+    let policy = shape.policy().map_err(wrong)?;
+    TexelCache::new(shape.geometry(), policy, bytes, CacheDetail::default()).map_err(|error| wrong(error.to_string()))
+}
+
+/// Pyramids of one texture, each made and laid out once.
+#[derive(Debug, Default)]
+pub struct Pyramids {
+    made: Vec<(PyramidKind, Pyramid, TextureMemory)>,
+}
+
+impl Pyramids {
+    /// Makes the pyramids that some filters need.
+    ///
+    /// # Errors
+    /// A kernel or layout that cannot be built for this texture.
+    pub fn for_filters(machine: &Machine, top: &PlaneImage, filters: &[Filter]) -> Result<Self> {
+        let mut made: Vec<(PyramidKind, Pyramid, TextureMemory)> = Vec::new();
+        for kind in filters.iter().map(|filter| filter.pyramid()) {
+            if made.iter().all(|(known, ..)| *known != kind) {
+                let pyramid = machine.texture.pyramid.pyramid(kind, top)?;
+                let memory = TextureMemory::new(&pyramid, machine.texture.layout, machine.texture.format)?;
+                made.push((kind, pyramid, memory));
+            }
+        }
+        Ok(Self { made })
+    }
+
+    /// The pyramid of a filter that was named when they were made.
+    ///
+    /// # Panics
+    /// If it was not.
+    #[must_use]
+    pub fn of(&self, filter: Filter) -> (&Pyramid, &TextureMemory) {
+        let kind = filter.pyramid();
+        let (_, pyramid, memory) = self.made.iter().find(|(known, ..)| *known == kind).expect("made for this filter");
+        (pyramid, memory)
+    }
+}

@@ -1,0 +1,166 @@
+//! What a run says: one structure, printed as a table, as JSON and as long-form CSV.
+
+use comfy_table::{CellAlignment, Table, presets};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::{Deviation, Outcome, Stage};
+use crate::{machine::Machine, names::Named};
+
+/// Version of the shape of report.json; it grows when a field changes its meaning or goes away.
+pub const SCHEMA: u32 = 1;
+
+/// One number with what it is called and its unit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Metric {
+    /// Name, the same in JSON and CSV.
+    pub name: &'static str,
+    /// Value; none where there is no such number (the PSNR of equal images).
+    pub value: Option<f64>,
+    /// Unit.
+    pub unit: &'static str,
+}
+
+/// Everything countable about an outcome, in the order of the report.
+#[must_use]
+pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
+    let counters = &outcome.counters;
+    let pixels = outcome.responses.len() as f64;
+    let per_pixel = |count: u64| count as f64 / pixels.max(1.0);
+    let share = |part: u64, whole: u64| if whole == 0 { 0.0 } else { part as f64 / whole as f64 };
+    let metric = |name, value: f64, unit| Metric { name, value: Some(value), unit };
+    let deviation = |names: [&'static str; 4], deviation: &Deviation| {
+        [
+            metric(names[0], deviation.rmse(), "LSB"),
+            Metric { name: names[1], value: deviation.psnr(), unit: "dB" },
+            metric(names[2], deviation.worst(), "LSB"),
+            metric(names[3], deviation.mean(), "LSB"),
+        ]
+    };
+    let mut metrics = vec![
+        metric("pixels", pixels, "pixel"),
+        metric("reads_per_pixel", per_pixel(counters.lookups), "read/pixel"),
+        metric("lookups", counters.lookups as f64, "read"),
+        metric("hits", counters.hits as f64, "read"),
+        metric("misses", counters.misses as f64, "read"),
+        metric("miss_rate", share(counters.misses, counters.lookups), "1"),
+        metric("compulsory_misses", counters.compulsory as f64, "read"),
+        metric("capacity_misses", counters.capacity as f64, "read"),
+        metric("conflict_misses", counters.conflict as f64, "read"),
+        metric("bytes_requested", counters.bytes_requested as f64, "B"),
+        metric("bytes_fetched", counters.bytes_fetched as f64, "B"),
+        metric("bytes_used", counters.bytes_used as f64, "B"),
+        metric("line_use", share(counters.bytes_used, counters.bytes_fetched), "1"),
+        metric("bytes_per_pixel_uncached", per_pixel(counters.bytes_requested), "B/pixel"),
+        metric("bytes_per_pixel_cached", per_pixel(counters.bytes_fetched), "B/pixel"),
+        metric("pyramid_texels", outcome.memory.texels as f64, "texel"),
+        metric("pyramid_multiple", outcome.memory.multiple(), "texture"),
+        metric("pyramid_bytes", outcome.memory.bytes as f64, "B"),
+        metric("undefined_coordinates", outcome.undefined as f64, "coordinate"),
+        metric("mismatches", outcome.mismatches as f64, "pixel"),
+        metric("host_ns_per_pixel", outcome.host_seconds * 1e9 / pixels.max(1.0), "ns/pixel"),
+    ];
+    metrics.extend(deviation(["rmse", "psnr", "worst", "mean_difference"], &outcome.against_truth));
+    metrics.extend(deviation(["rmse_ideal", "psnr_ideal", "worst_ideal", "mean_ideal"], &outcome.against_ideal));
+    metrics
+}
+
+/// The table of one scene.
+#[must_use]
+pub fn table(outcomes: &[Outcome]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_HORIZONTAL_ONLY).set_header([
+        "filter", "reads\n/pixel", "misses", "miss\nrate %", "B/pixel\nuncached", "B/pixel\ncached", "line\nuse %", "memory\nx texture",
+        "RMSE\nLSB", "PSNR\ndB", "worst\nLSB", "mis-\nmatches", "host\nns/pixel",
+    ]);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    for outcome in outcomes {
+        let metrics = metrics(outcome);
+        let number = |name: &str, digits: usize, scale: f64| {
+            let value = metrics.iter().find(|metric| metric.name == name).and_then(|metric| metric.value);
+            value.map_or_else(|| "-".into(), |value| format!("{:.digits$}", value * scale))
+        };
+        table.add_row([
+            outcome.filter.name().into(),
+            number("reads_per_pixel", 1, 1.0),
+            number("misses", 0, 1.0),
+            number("miss_rate", 2, 100.0),
+            number("bytes_per_pixel_uncached", 1, 1.0),
+            number("bytes_per_pixel_cached", 1, 1.0),
+            number("line_use", 0, 100.0),
+            number("pyramid_multiple", 3, 1.0),
+            number("rmse", 2, 1.0),
+            number("psnr", 2, 1.0),
+            number("worst", 0, 1.0),
+            number("mismatches", 0, 1.0),
+            number("host_ns_per_pixel", 0, 1.0),
+        ]);
+    }
+    table
+}
+
+/// One scene of report.json.
+#[must_use]
+pub fn scene_json(stage: &Stage, outcomes: &[Outcome]) -> Value {
+    let filters: Vec<Value> = outcomes
+        .iter()
+        .map(|outcome| {
+            let metrics: serde_json::Map<String, Value> = metrics(outcome)
+                .into_iter()
+                .map(|metric| (metric.name.into(), json!({ "value": metric.value, "unit": metric.unit })))
+                .collect();
+            let planes: Vec<Value> = outcome
+                .planes
+                .iter()
+                .map(|row| {
+                    json!({
+                        "lu": row.halvings.0, "lv": row.halvings.1, "width": row.size[0], "height": row.size[1],
+                        "lookups": row.counters.lookups, "hits": row.counters.hits, "misses": row.counters.misses,
+                        "compulsory": row.counters.classes.compulsory, "capacity": row.counters.classes.capacity,
+                        "conflict": row.counters.classes.conflict,
+                    })
+                })
+                .collect();
+            json!({ "filter": outcome.filter.name(), "metrics": metrics, "planes": planes })
+        })
+        .collect();
+    json!({
+        "scene": stage.scene,
+        "coverage": stage.coverage,
+        "filters": filters,
+    })
+}
+
+/// The whole of report.json.
+#[must_use]
+pub fn report_json(machine: &Machine, command: &[String], scenes: &[Value]) -> Value {
+    json!({
+        "schema": SCHEMA,
+        "texunit": env!("CARGO_PKG_VERSION"),
+        "command": command,
+        "machine": machine,
+        "scenes": scenes,
+    })
+}
+
+/// One line of report.csv a metric: design, scene, filter, metric, value, unit.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_csv(
+    writer: &mut dyn std::io::Write,
+    design: &str,
+    rows: &[(String, &'static str, Vec<Metric>)],
+) -> std::io::Result<()> {
+    let mut csv = csv::Writer::from_writer(writer);
+    csv.write_record(["design", "scene", "filter", "metric", "value", "unit"])?;
+    for (scene, filter, metrics) in rows {
+        for metric in metrics {
+            let value = metric.value.map_or_else(String::new, |value| value.to_string());
+            csv.write_record([design, scene, filter, metric.name, &value, metric.unit])?;
+        }
+    }
+    csv.flush()
+}
