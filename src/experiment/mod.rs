@@ -11,6 +11,7 @@ use texunit_hw::{
 
 mod deviation;
 pub mod report;
+pub mod verify;
 
 pub use deviation::Deviation;
 

@@ -1,0 +1,125 @@
+//! `texunit verify`: the chip against the float reference.
+
+use std::process::ExitCode;
+
+use comfy_table::{CellAlignment, Table, presets};
+use indicatif::{ProgressBar, ProgressStyle};
+use texunit_hw::Filter;
+
+use crate::{
+    error::Result,
+    experiment::verify::{Finding, combinations, compare, random_subjects, scene_subjects},
+    machine::parser,
+    names::Named,
+    scene,
+};
+
+/// Compare the chip with the float reference, bit for bit, over scenes and random requests, filters, wraps, roundings, layouts and
+/// widths.
+///
+/// Exit status: 0 all answers equal, 1 a mismatch was found (the first is printed with everything needed to repeat it), 2 bad use.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Filters, all if none is given
+    #[arg(long, short, value_delimiter = ',', value_parser = parser::<Filter>())]
+    filters: Vec<Filter>,
+    /// Random requests for each combination on each of nine textures of awkward shapes
+    #[arg(long, value_name = "N", default_value_t = 60_000)]
+    random: usize,
+    /// Leave out the scenes that ship
+    #[arg(long)]
+    no_scenes: bool,
+    /// Print JSON instead of the table
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    machine: super::MachineArgs,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad machines.
+pub fn run(args: &Args) -> Result<ExitCode> {
+    let machine = args.machine.load()?;
+    let filters: Vec<Filter> =
+        if args.filters.is_empty() { Filter::ALL.iter().map(|(_, filter)| *filter).collect() } else { args.filters.clone() };
+    let combinations = combinations(&filters);
+    let mut subjects = random_subjects(args.random);
+    if !args.no_scenes {
+        subjects.extend(scene_subjects(&scene::built_in()));
+    }
+    let total: usize = subjects.iter().map(|subject| subject.requests()).sum::<usize>() * combinations.len();
+    let progress = ProgressBar::new(total as u64).with_style(
+        ProgressStyle::with_template("{bar:24} {human_pos} of {human_len} samples, {msg} (about {eta} left)")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let mut findings = Vec::new();
+    for subject in &subjects {
+        progress.set_message(subject.name.clone());
+        findings.extend(compare(&machine, subject, &combinations, |count| progress.inc(count))?);
+    }
+    progress.finish_and_clear();
+
+    let rows = rows(&filters, &findings);
+    let compared: u64 = rows.iter().map(|row| row.compared).sum();
+    let mismatches: u64 = rows.iter().map(|row| row.mismatches).sum();
+    if args.json {
+        let filters: Vec<_> = rows
+            .iter()
+            .map(|row| serde_json::json!({ "filter": row.filter, "compared": row.compared, "mismatches": row.mismatches }))
+            .collect();
+        println!("{:#}", serde_json::json!({ "compared": compared, "mismatches": mismatches, "filters": filters }));
+    } else {
+        println!("{}", table(&rows));
+        println!(
+            "{compared} samples compared in {} combinations on {} textures, {mismatches} mismatches",
+            combinations.len(),
+            subjects.len()
+        );
+    }
+    if let Some(finding) = findings.iter().find(|finding| finding.mismatches > 0) {
+        let Finding { combination, subject, first, .. } = finding;
+        eprintln!("texunit: the first mismatch: {subject}, {combination}: {first:?}");
+        return Ok(ExitCode::from(1));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+struct Row {
+    filter: &'static str,
+    combinations: usize,
+    compared: u64,
+    mismatches: u64,
+}
+
+fn rows(filters: &[Filter], findings: &[Finding]) -> Vec<Row> {
+    filters
+        .iter()
+        .map(|filter| {
+            let of_filter = findings.iter().filter(|finding| finding.combination.filter == *filter);
+            let (combinations, compared, mismatches) =
+                of_filter.fold((0, 0, 0), |(count, compared, mismatches), finding| {
+                    (count + 1, compared + finding.compared, mismatches + finding.mismatches)
+                });
+            Row { filter: filter.name(), combinations, compared, mismatches }
+        })
+        .collect()
+}
+
+fn table(rows: &[Row]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_HORIZONTAL_ONLY).set_header(["filter", "runs", "samples", "mismatches"]);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    for row in rows {
+        table.add_row([
+            row.filter.to_string(),
+            row.combinations.to_string(),
+            row.compared.to_string(),
+            row.mismatches.to_string(),
+        ]);
+    }
+    table
+}

@@ -1,0 +1,298 @@
+//! The chip against the reference over everything that can be combined.
+
+use rayon::prelude::*;
+use texunit_hw::{AddressMode, Filter, I12F20, Layout, LevelRounding, LodSource, Log2, Request, Response, Rounding, Unit};
+
+use super::Mismatch;
+use crate::{
+    error::{Error, Result},
+    front_end::FrontEnd,
+    machine::Machine,
+    names::{Named, layout_name},
+    pyramid::{PlaneImage, Pyramid},
+    reference::Reference,
+    scene::{Fragment, Scene},
+    texture_memory::TextureMemory,
+};
+
+/// What a combination draws its requests from.
+#[derive(Clone, Debug)]
+pub enum Stream {
+    /// The fragments of a scene.
+    Scene(Vec<Fragment>),
+    /// Uniform over every bit of a request, from a seed.
+    Random {
+        /// Requests a combination.
+        count: usize,
+        /// First state of the generator.
+        seed: u64,
+    },
+}
+
+/// A texture and the requests made of it.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// Name for messages.
+    pub name: String,
+    /// The texture.
+    pub top: PlaneImage,
+    /// The requests.
+    pub stream: Stream,
+}
+
+impl Subject {
+    /// Requests it holds.
+    #[must_use]
+    pub fn requests(&self) -> usize {
+        match &self.stream {
+            Stream::Scene(fragments) => fragments.len(),
+            Stream::Random { count, .. } => *count,
+        }
+    }
+}
+
+/// One setting of every knob that the chip and the reference both have.
+#[derive(Clone, Copy, Debug)]
+pub struct Combination {
+    /// Filter.
+    pub filter: Filter,
+    /// Address modes of u and v.
+    pub address: [AddressMode; 2],
+    /// Rounding of the datapath.
+    pub rounding: Rounding,
+    /// Layout.
+    pub layout: Layout,
+    /// Log2 unit.
+    pub log2: Log2,
+    /// Rounding of whole levels.
+    pub level_rounding: LevelRounding,
+    /// Bits of the bilinear fraction.
+    pub filter_bits: u8,
+    /// Bits of the level fraction.
+    pub lod_bits: u8,
+}
+
+/// What a comparison found.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// Which combination.
+    pub combination: Combination,
+    /// Which texture.
+    pub subject: String,
+    /// Answers compared.
+    pub compared: u64,
+    /// Answers that differ.
+    pub mismatches: u64,
+    /// The first of them.
+    pub first: Option<Mismatch>,
+}
+
+impl std::fmt::Display for Combination {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{} {}/{} {} {} log2={} level-rounding={} filter-bits={} lod-bits={}",
+            self.filter.name(),
+            self.address[0].name(),
+            self.address[1].name(),
+            self.rounding.name(),
+            layout_name(self.layout),
+            self.log2.name(),
+            self.level_rounding.name(),
+            self.filter_bits,
+            self.lod_bits
+        )
+    }
+}
+
+/// Layouts that are verified, each against textures of every shape.
+pub const LAYOUTS: [Layout; 5] = [
+    Layout::Tiled { log2_width: 2, log2_height: 2 },
+    Layout::RowMajor,
+    Layout::Morton,
+    Layout::Tiled { log2_width: 3, log2_height: 2 },
+    Layout::Blocked { block: [2, 2], superblock: [4, 4] },
+];
+
+/// Every filter x address mode x rounding, each with its own pick of the other knobs: the picks go round with periods that share no
+/// factor with each other, so that over all combinations every pair of settings meets.
+#[must_use]
+pub fn combinations(filters: &[Filter]) -> Vec<Combination> {
+    let mut list = Vec::new();
+    for &filter in filters {
+        for (_, wrap) in AddressMode::ALL {
+            for (_, rounding) in Rounding::ALL {
+                let turn = list.len();
+                let pick = |count: usize, period: usize| turn % period % count;
+                let default_widths = turn % 3 == 0;
+                list.push(Combination {
+                    filter,
+                    address: [*wrap, if turn % 7 == 6 { AddressMode::ALL[turn / 7 % 4].1 } else { *wrap }],
+                    rounding: *rounding,
+                    layout: LAYOUTS[pick(LAYOUTS.len(), 5)],
+                    log2: Log2::ALL[pick(Log2::ALL.len(), 11)].1,
+                    level_rounding: LevelRounding::ALL[pick(3, 13)].1,
+                    filter_bits: if default_widths { 8 } else { 1 + pick(12, 12) as u8 },
+                    lod_bits: if default_widths { 8 } else { pick(9, 17) as u8 },
+                });
+            }
+        }
+    }
+    list
+}
+
+/// Textures of awkward shapes with random texels, and random requests.
+#[must_use]
+pub fn random_subjects(count: usize) -> Vec<Subject> {
+    [[1, 1], [1, 16], [32, 1], [5, 3], [64, 64], [37, 61], [256, 32], [7, 128], [100, 100]]
+        .into_iter()
+        .enumerate()
+        .map(|(number, [width, height])| {
+            let seed = 0x7E78_0001 + number as u64;
+            let mut random = SplitMix(seed);
+            let texels = (0..width * height).map(|_| (random.next() as u32).to_le_bytes()).collect();
+            Subject {
+                name: format!("random {width} x {height}"),
+                top: PlaneImage { lu: 0, lv: 0, width, height, texels },
+                stream: Stream::Random { count, seed },
+            }
+        })
+        .collect()
+}
+
+/// The textures and fragments of scenes.
+#[must_use]
+pub fn scene_subjects(scenes: &[Scene]) -> Vec<Subject> {
+    scenes
+        .par_iter()
+        .map(|scene| Subject {
+            name: scene.name.clone(),
+            top: PlaneImage::base(&scene.texture.image()),
+            stream: Stream::Scene(scene.fragments().collect()),
+        })
+        .collect()
+}
+
+/// Compares all combinations on one subject, in order; `done` is told the number of answers compared.
+///
+/// # Errors
+/// A pyramid or memory that cannot be built.
+pub fn compare(
+    machine: &Machine,
+    subject: &Subject,
+    combinations: &[Combination],
+    done: impl Fn(u64) + Sync,
+) -> Result<Vec<Finding>> {
+    let mut pyramids: Vec<Pyramid> = Vec::new();
+    for combination in combinations {
+        let kind = combination.filter.pyramid();
+        if pyramids.iter().all(|pyramid| pyramid.kind != kind) {
+            pyramids.push(machine.texture.pyramid.pyramid(kind, &subject.top)?);
+        }
+    }
+    combinations
+        .par_iter()
+        .enumerate()
+        .map(|(number, combination)| {
+            let kind = combination.filter.pyramid();
+            let pyramid = pyramids.iter().find(|pyramid| pyramid.kind == kind).expect("made above");
+            let finding = compare_one(machine, subject, pyramid, combination, number as u64)?;
+            done(finding.compared);
+            Ok(finding)
+        })
+        .collect()
+}
+
+fn compare_one(
+    machine: &Machine,
+    subject: &Subject,
+    pyramid: &Pyramid,
+    combination: &Combination,
+    number: u64,
+) -> Result<Finding> {
+    let mut sampler = machine.sampler(combination.filter, combination.address, LodSource::Gradient);
+    sampler.rounding = combination.rounding;
+    sampler.log2 = combination.log2;
+    sampler.level_rounding = combination.level_rounding;
+    sampler.filter_bits = combination.filter_bits;
+    sampler.lod_bits = combination.lod_bits;
+    let requests: Vec<Request> = match &subject.stream {
+        Stream::Scene(fragments) => {
+            let front_end = FrontEnd {
+                filter: combination.filter,
+                address: combination.address,
+                norm: machine.lod.norm,
+                rule: machine.lod.dipmap_rule,
+                size: [pyramid.width, pyramid.height],
+            };
+            front_end.requests(fragments).0
+        }
+        Stream::Random { count, seed } => {
+            // Explicit levels every second time, with bias and level limits of their own.
+            let mut random = SplitMix(seed ^ number << 32);
+            sampler.lod_source = if number % 2 == 0 { LodSource::Gradient } else { LodSource::Explicit };
+            sampler.bias = (random.next() % 8193) as i16 - 4096;
+            let limits = [0, 0].map(|_: i32| (random.next() % (12 << 8)) as i32);
+            if number % 3 == 1 {
+                [sampler.min_lod, sampler.max_lod] = limits;
+            }
+            (0..*count).map(|_| random_request(&mut random, sampler.lod_source)).collect()
+        }
+    };
+    let memory = TextureMemory::new(pyramid, combination.layout, machine.texture.format)?;
+    let mut unit = Unit::new(&sampler, &memory.surface, &memory.bytes)
+        .map_err(|error| Error::setting("combination", combination, error.to_string(), "report this"))?;
+    let reference = Reference::new(pyramid, &sampler)?;
+    let mut responses = vec![Response::default(); requests.len()];
+    unit.run(&requests, &mut responses, &mut ());
+    let mut differing = requests.iter().zip(&responses).filter_map(|(request, hw)| {
+        let reference = reference.sample(request);
+        (reference != *hw).then_some(Mismatch { request: *request, hw: *hw, reference })
+    });
+    let first = differing.next();
+    let mismatches = u64::from(first.is_some()) + differing.count() as u64;
+    Ok(Finding {
+        combination: *combination,
+        subject: subject.name.clone(),
+        compared: requests.len() as u64,
+        mismatches,
+        first,
+    })
+}
+
+/// A request with every bit free; half of the coordinates near the texture, half of the ratios of a usual size.
+fn random_request(random: &mut SplitMix, source: LodSource) -> Request {
+    let bits = random.next();
+    let shape = random.next();
+    let place = |bits: u32, near: bool| I12F20::from_bits(if near { bits.cast_signed() >> 10 } else { bits.cast_signed() });
+    let scale = |bits: u64, usual: bool| match source {
+        LodSource::Explicit => (bits as i32 >> if usual { 19 } else { 8 }).cast_unsigned(),
+        LodSource::Gradient if usual => (120 << 23) + (bits as u32 % (34 << 23)),
+        LodSource::Gradient => bits as u32,
+    };
+    Request {
+        u: place(bits as u32, shape & 1 == 0),
+        v: place((bits >> 32) as u32, shape & 2 == 0),
+        scale: [scale(random.next(), shape & 4 == 0), scale(random.next(), shape & 8 == 0)],
+        axes: [0, 1].map(|_| {
+            let bits = random.next();
+            [bits as u32, (bits >> 32) as u32].map(|half| I12F20::from_bits(half.cast_signed() >> (shape >> 8 & 15)))
+        }),
+        pixel: [(shape >> 16) as u16, (shape >> 32) as u16],
+    }
+}
+
+/// Steele, Lea & Flood 2014: enough randomness for tests, the same everywhere.
+#[derive(Clone, Debug)]
+pub struct SplitMix(pub u64);
+
+impl SplitMix {
+    /// The next 64 bits.
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ z >> 31
+    }
+}
