@@ -13,6 +13,7 @@ extern crate alloc;
 
 pub mod request;
 pub mod sampler;
+pub mod cache;
 
 pub mod coordinate;
 pub mod lod;
