@@ -13,7 +13,6 @@ extern crate alloc;
 
 pub mod request;
 pub mod sampler;
-pub mod cache;
 
 pub mod coordinate;
 pub mod lod;
@@ -24,6 +23,8 @@ pub mod address;
 pub mod format;
 pub mod layout;
 pub mod surface;
+
+pub mod cache;
 
 pub mod datapath;
 pub mod memory;

@@ -21,7 +21,7 @@ pub struct LineSet {
 }
 
 type Page = BitArray<[u64; PAGE_WORDS], Lsb0>;
-const PAGE_WORDS: usize = 64;
+const PAGE_WORDS: usize = 8;
 const PAGE_LINES: u64 = 64 * PAGE_WORDS as u64;
 /// Numbers below this are in the map: at most 2 MiB of it, a gigabyte of textures in lines of 64 bytes.
 const LOW_LINES: u64 = 1 << 24;
