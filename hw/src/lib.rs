@@ -24,6 +24,8 @@ pub mod format;
 pub mod layout;
 pub mod surface;
 
+pub mod cache;
+
 pub mod datapath;
 pub mod memory;
 

@@ -1,0 +1,141 @@
+//! The tag memory and the lookup itself, for any replacement policy.
+
+use alloc::{vec, vec::Vec};
+
+use super::{Observer, Outcome, line_index::LineIndex, replacement::Replacement};
+
+/// Sets wider than this are searched through an index instead of way by way.
+const SCANNED_WAYS_MAX: usize = 16;
+
+/// Tags of `sets * ways` lines, each in its way for as long as it stays.
+#[derive(Clone, Debug)]
+pub(super) struct Tags<R> {
+    ways: usize,
+    sets: Vec<Set>,
+    lines: Vec<u64>,
+    index: Option<LineIndex>,
+    resident: u64,
+    replacement: R,
+}
+
+/// What is known of a set. Touching the line touched last changes nothing in any policy, so a lookup that finds it here
+/// is done: most lookups of a texture unit are.
+#[derive(Clone, Copy, Debug, Default)]
+struct Set {
+    /// The line touched last; in an empty set, a line of another set.
+    last: u64,
+    /// Its slot.
+    slot: u32,
+    /// Ways filled: the lowest ones, for lines never leave but by replacement.
+    filled: u32,
+}
+
+impl<R: Replacement> Tags<R> {
+    pub(super) fn new(sets: usize, ways: usize, replacement: R) -> Self {
+        // Line 0 belongs to set 0 and so marks every other set empty; line 1 does so for set 0 (with one set: see `prime`).
+        let mut states = vec![Set::default(); sets];
+        states[0].last = 1;
+        Self {
+            ways,
+            sets: states,
+            lines: vec![0; sets * ways],
+            index: (ways > SCANNED_WAYS_MAX).then(|| LineIndex::new(sets * ways)),
+            resident: 0,
+            replacement,
+        }
+    }
+
+    /// Looks `line` up in `set`, which must be its own.
+    #[inline(always)]
+    pub(super) fn access(&mut self, set: usize, line: u64) -> Outcome {
+        self.prime(line);
+        self.access_primed(set, line)
+    }
+
+    /// With one set there is no line of another set to mark it empty, but any line other than the first to come does.
+    #[inline(always)]
+    fn prime(&mut self, first: u64) {
+        if self.resident == 0 && self.sets.len() == 1 {
+            self.sets[0].last = !first;
+        }
+    }
+
+    #[inline(always)]
+    fn access_primed(&mut self, set: usize, line: u64) -> Outcome {
+        let state = self.sets[set];
+        if state.last == line { Outcome::Hit { slot: state.slot } } else { self.access_other(set, line) }
+    }
+
+    /// A lookup of another line than the one touched last in the set.
+    #[inline(always)]
+    fn access_other(&mut self, set: usize, line: u64) -> Outcome {
+        let ways = self.ways;
+        let base = set * ways;
+        let state = &mut self.sets[set];
+        let lines = &mut self.lines[base..base + ways];
+
+        let found = match &self.index {
+            Some(index) => index.find(line, &self.lines).map(|slot| slot as usize - base),
+            None => {
+                // All ways are compared, as in the chip: no branch but one on the answer.
+                let equal =
+                    lines.iter().enumerate().fold(0, |equal, (way, &tag)| equal | u32::from(tag == line) << way);
+                let valid = equal & ((1 << state.filled) - 1);
+                (valid != 0).then(|| valid.trailing_zeros() as usize)
+            }
+        };
+        if let Some(way) = found {
+            self.replacement.hit(set, way);
+            let slot = (base + way) as u32;
+            (state.last, state.slot) = (line, slot);
+            return Outcome::Hit { slot };
+        }
+
+        let (way, evicted) = if (state.filled as usize) < ways {
+            let way = state.filled as usize;
+            state.filled += 1;
+            self.resident += 1;
+            self.replacement.fill(set, way);
+            (way, None)
+        } else {
+            let way = self.replacement.replace(set);
+            (way, Some(self.lines[base + way]))
+        };
+        let slot = (base + way) as u32;
+        if let Some(index) = &mut self.index {
+            if evicted.is_some() {
+                index.remove(self.lines[slot as usize], slot);
+            }
+            index.insert(line, slot);
+        }
+        self.lines[base + way] = line;
+        (state.last, state.slot) = (line, slot);
+        Outcome::Miss { slot, evicted }
+    }
+
+    /// Looks up the lines of byte addresses; the answer is the number of misses.
+    #[inline(always)]
+    pub(super) fn run<O: Observer>(
+        &mut self,
+        addresses: &[u64],
+        shift: u32,
+        set_of: impl Fn(u64) -> usize,
+        observer: &mut O,
+    ) -> u64 {
+        let Some(&first) = addresses.first() else { return 0 };
+        self.prime(first >> shift);
+        let mut misses = 0;
+        for &address in addresses {
+            let line = address >> shift;
+            let outcome = self.access_primed(set_of(line), line);
+            misses += u64::from(!outcome.is_hit());
+            observer.lookup(address, line, outcome);
+        }
+        misses
+    }
+
+    /// Lines held now.
+    pub(super) fn resident(&self) -> u64 {
+        self.resident
+    }
+}

@@ -1,0 +1,143 @@
+//! The cache as the texture unit uses it: texels in, counts per plane out.
+
+use alloc::{vec, vec::Vec};
+
+use super::{
+    Cache, Counters, Geometry, GeometryError, LineUse, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
+};
+
+/// Which of the dearer counters to keep. What is not kept costs nothing and reads 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Detail {
+    /// Misses by class: about the work of a second cache.
+    pub classes: bool,
+    /// Bytes used of the lines fetched.
+    pub line_use: bool,
+}
+
+impl Default for Detail {
+    /// Everything.
+    fn default() -> Self {
+        Self { classes: true, line_use: true }
+    }
+}
+
+/// A [`Cache`] of texels with its [`Counters`], in all and per plane.
+///
+/// ```
+/// use texunit_hw::cache::{Detail, Geometry, Policy, TexelCache};
+/// let geometry = Geometry { sets: 64, ways: 4, line: 64 };
+/// let mut cache = TexelCache::new(geometry, Policy::Lru, 4, Detail::default())?;
+/// cache.read_all(0, &[0x100, 0x104, 0x110, 0x114]); // the four texels of a bilinear tap on plane 0
+/// cache.read(1, 0x4000);
+/// let counters = cache.counters();
+/// assert_eq!((counters.lookups, counters.misses, counters.compulsory), (5, 2, 2));
+/// assert_eq!((counters.bytes_requested, counters.bytes_fetched, counters.bytes_used), (20, 128, 20));
+/// assert_eq!(cache.planes()[0].hits, 3);
+/// # Ok::<(), texunit_hw::cache::GeometryError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct TexelCache {
+    cache: Cache,
+    texel: u32,
+    meter: Meter,
+    planes: Vec<PlaneCounters>,
+}
+
+#[derive(Clone, Debug)]
+struct Meter {
+    classifier: Option<MissClassifier>,
+    line_use: Option<LineUse>,
+}
+
+/// Lends the meter the row of the plane being read.
+struct PlaneMeter<'a> {
+    meter: &'a mut Meter,
+    row: &'a mut PlaneCounters,
+}
+
+impl Observer for PlaneMeter<'_> {
+    #[inline(always)]
+    fn lookup(&mut self, address: u64, line: u64, outcome: Outcome) {
+        if let Some(line_use) = &mut self.meter.line_use {
+            line_use.lookup(address, line, outcome);
+        }
+        if let Some(class) = self.meter.classifier.as_mut().and_then(|classifier| classifier.classify(line, outcome)) {
+            self.row.classes.count(class);
+        }
+        self.row.misses += u64::from(!outcome.is_hit());
+    }
+}
+
+impl TexelCache {
+    /// An empty cache of texels of `texel` bytes (a power of two, at most a line).
+    ///
+    /// # Errors
+    /// What [`Geometry::check`] and [`LineUse::new`] refuse.
+    pub fn new(geometry: Geometry, policy: Policy, texel: u32, detail: Detail) -> Result<Self, GeometryError> {
+        let cache = Cache::new(geometry, policy)?;
+        let line_use = LineUse::new(geometry, texel)?;
+        let classifier = if detail.classes { Some(MissClassifier::new(geometry)?) } else { None };
+        let meter = Meter { classifier, line_use: detail.line_use.then_some(line_use) };
+        Ok(Self { cache, texel, meter, planes: vec![] })
+    }
+
+    /// Reads one texel of a plane by its byte address.
+    #[inline]
+    pub fn read(&mut self, plane: usize, address: u64) -> Outcome {
+        let line = self.cache.geometry().line_number(address);
+        let outcome = self.cache.access(address);
+        let mut meter = Self::plane(&mut self.planes, &mut self.meter, plane);
+        meter.lookup(address, line, outcome);
+        meter.row.lookups += 1;
+        outcome
+    }
+
+    /// Reads texels of a plane one after the other: a tap, a footprint, or a whole row of them.
+    #[inline]
+    pub fn read_all(&mut self, plane: usize, addresses: &[u64]) {
+        let mut meter = Self::plane(&mut self.planes, &mut self.meter, plane);
+        meter.row.lookups += addresses.len() as u64;
+        self.cache.access_all(addresses, &mut meter);
+    }
+
+    #[inline(always)]
+    fn plane<'a>(planes: &'a mut Vec<PlaneCounters>, meter: &'a mut Meter, plane: usize) -> PlaneMeter<'a> {
+        if plane >= planes.len() {
+            planes.resize(plane + 1, PlaneCounters::default());
+        }
+        PlaneMeter { meter, row: &mut planes[plane] }
+    }
+
+    /// Totals so far. Lines still in the cache count as used as far as they were used until now.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        let (lookups, misses) = (self.cache.lookups(), self.cache.misses());
+        let classes = self.meter.classifier.as_ref().map(MissClassifier::classes).unwrap_or_default();
+        Counters {
+            lookups,
+            hits: lookups - misses,
+            misses,
+            compulsory: classes.compulsory,
+            capacity: classes.capacity,
+            conflict: classes.conflict,
+            fills: misses,
+            evictions: self.cache.evictions(),
+            bytes_requested: lookups * u64::from(self.texel),
+            bytes_fetched: misses * u64::from(self.cache.geometry().line),
+            bytes_used: self.meter.line_use.as_ref().map_or(0, LineUse::bytes_used),
+        }
+    }
+
+    /// The same per plane, up to the highest plane read so far.
+    #[must_use]
+    pub fn planes(&self) -> Vec<PlaneCounters> {
+        self.planes.iter().map(|row| PlaneCounters { hits: row.lookups - row.misses, ..*row }).collect()
+    }
+
+    /// The cache within.
+    #[must_use]
+    pub const fn cache(&self) -> &Cache {
+        &self.cache
+    }
+}

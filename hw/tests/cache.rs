@@ -1,0 +1,323 @@
+//! The cache against textbooks: a linear search through records that remember everything, and nothing clever.
+
+use std::collections::{BTreeMap, HashSet};
+
+use proptest::prelude::*;
+use texunit_hw::cache::{Cache, Detail, Geometry, LineSet, MissClassifier, Outcome, Policy, TexelCache};
+
+/// One way of the textbook cache.
+#[derive(Clone, Copy)]
+struct Record {
+    line: u64,
+    used: usize,
+    filled: usize,
+}
+
+/// A node of the textbook pseudo-LRU tree: it covers ways `first..first + span` and points at one half.
+enum Tree {
+    Way,
+    Node { half: usize, points_up: bool, lower: Box<Tree>, upper: Box<Tree> },
+}
+
+impl Tree {
+    fn new(span: usize) -> Self {
+        match span {
+            1 => Self::Way,
+            _ => Self::Node {
+                half: span / 2,
+                points_up: false,
+                lower: Box::new(Self::new(span / 2)),
+                upper: Box::new(Self::new(span / 2)),
+            },
+        }
+    }
+
+    fn touch(&mut self, way: usize) {
+        if let Self::Node { half, points_up, lower, upper } = self {
+            *points_up = way < *half;
+            if way < *half { lower.touch(way) } else { upper.touch(way - *half) }
+        }
+    }
+
+    /// The way pointed at among the first `ways`.
+    fn victim(&self, ways: usize) -> usize {
+        match self {
+            Self::Way => 0,
+            Self::Node { half, points_up: true, upper, .. } if ways > *half => half + upper.victim(ways - half),
+            Self::Node { half, lower, .. } => lower.victim(ways.min(*half)),
+        }
+    }
+}
+
+struct Textbook {
+    geometry: Geometry,
+    policy: Policy,
+    sets: BTreeMap<u64, (Vec<Record>, Tree)>,
+    generator: u64,
+    time: usize,
+}
+
+impl Textbook {
+    fn new(geometry: Geometry, policy: Policy) -> Self {
+        let generator = if let Policy::Random { seed } = policy { seed } else { 0 };
+        Self { geometry, policy, sets: BTreeMap::new(), generator, time: 0 }
+    }
+
+    fn access(&mut self, address: u64) -> Outcome {
+        let line = address / u64::from(self.geometry.line);
+        let set = line % u64::from(self.geometry.sets);
+        let ways = self.geometry.ways as usize;
+        let slot = |way: usize| (set * ways as u64 + way as u64) as u32;
+        self.time += 1;
+        let time = self.time;
+        let (records, tree) = self.sets.entry(set).or_insert_with(|| (vec![], Tree::new(ways.next_power_of_two())));
+        if let Some(way) = records.iter().position(|record| record.line == line) {
+            records[way].used = time;
+            tree.touch(way);
+            return Outcome::Hit { slot: slot(way) };
+        }
+        let record = Record { line, used: time, filled: time };
+        let way = if records.len() < ways {
+            records.push(record);
+            tree.touch(records.len() - 1);
+            return Outcome::Miss { slot: slot(records.len() - 1), evicted: None };
+        } else {
+            match self.policy {
+                Policy::Lru => (0..ways).min_by_key(|&way| records[way].used).unwrap(),
+                Policy::Fifo => (0..ways).min_by_key(|&way| records[way].filled).unwrap(),
+                Policy::Plru => tree.victim(ways),
+                Policy::Random { .. } => {
+                    self.generator = self.generator.wrapping_add(0x9e3779b97f4a7c15);
+                    let z = self.generator;
+                    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58476d1ce4e5b9);
+                    let z = (z ^ (z >> 27)).wrapping_mul(0x94d049bb133111eb);
+                    let z = z ^ (z >> 31);
+                    (u128::from(z) * ways as u128 / (1u128 << 64)) as usize
+                }
+            }
+        };
+        let evicted = Some(records[way].line);
+        records[way] = record;
+        tree.touch(way);
+        Outcome::Miss { slot: slot(way), evicted }
+    }
+}
+
+fn policies() -> impl Strategy<Value = Policy> {
+    prop_oneof![
+        Just(Policy::Lru),
+        Just(Policy::Fifo),
+        Just(Policy::Plru),
+        any::<u64>().prop_map(|seed| Policy::Random { seed })
+    ]
+}
+
+fn geometries() -> impl Strategy<Value = Geometry> {
+    let ways = prop_oneof![1u32..=18, Just(24u32), Just(33), Just(64), Just(100), Just(256)];
+    (prop_oneof![1u32..=9, Just(16u32), Just(64)], ways, 0u32..=12).prop_map(|(sets, ways, line)| Geometry {
+        sets,
+        ways,
+        line: 1 << line,
+    })
+}
+
+/// Addresses that stay near each other, leap, and come back; some at the far end of the 64-bit space.
+fn addresses(geometry: Geometry) -> impl Strategy<Value = Vec<u64>> {
+    let reach = geometry.size_bytes() * 2 + 3;
+    let start = prop_oneof![Just(0u64), Just(u64::MAX - reach), Just(u64::MAX), any::<u64>()];
+    let step = prop_oneof![
+        6 => (0..u64::from(geometry.line) * 2).prop_map(|near| (false, near)),
+        3 => (0..reach).prop_map(|far| (true, far)),
+    ];
+    (start, prop::collection::vec(step, 1..1500)).prop_map(move |(start, steps)| {
+        let mut at = start;
+        let walk = steps.into_iter().map(|(leap, by)| {
+            at = if leap { start.wrapping_add(by) } else { at.wrapping_add(by) };
+            at
+        });
+        walk.collect()
+    })
+}
+
+fn cases() -> impl Strategy<Value = (Geometry, Policy, Vec<u64>)> {
+    (geometries(), policies()).prop_flat_map(|(geometry, policy)| (Just(geometry), Just(policy), addresses(geometry)))
+}
+
+/// Compulsory, capacity and conflict misses by their definitions.
+fn textbook_classes(geometry: Geometry, policy: Policy, addresses: &[u64]) -> [u64; 3] {
+    let (mut cache, mut seen, mut recent) = (Textbook::new(geometry, policy), HashSet::new(), Vec::<u64>::new());
+    let mut classes = [0; 3];
+    for &address in addresses {
+        let line = address / u64::from(geometry.line);
+        let there = recent.iter().position(|&held| held == line);
+        if let Some(at) = there {
+            recent.remove(at);
+        }
+        recent.insert(0, line);
+        recent.truncate(geometry.lines() as usize);
+        let first = seen.insert(line);
+        if !cache.access(address).is_hit() {
+            classes[if first {
+                0
+            } else if there.is_none() {
+                1
+            } else {
+                2
+            }] += 1;
+        }
+    }
+    classes
+}
+
+/// Bytes of each fetch that were used, by sets of bytes.
+fn textbook_use(geometry: Geometry, policy: Policy, texel: u64, addresses: &[u64]) -> u64 {
+    let (mut cache, mut used, mut total) = (Textbook::new(geometry, policy), BTreeMap::new(), 0);
+    for &address in addresses {
+        let outcome = cache.access(address);
+        let bytes: &mut HashSet<u64> = used.entry(outcome.slot()).or_default();
+        if !outcome.is_hit() {
+            total += bytes.len() as u64;
+            bytes.clear();
+        }
+        let first = address - address % texel;
+        bytes.extend((0..texel).map(|byte| first + byte));
+    }
+    total + used.values().map(|bytes| bytes.len() as u64).sum::<u64>()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_policy_and_shape_agrees_with_the_textbook_on_every_lookup((geometry, policy, addresses) in cases()) {
+        let mut textbook = Textbook::new(geometry, policy);
+        let expected: Vec<Outcome> = addresses.iter().map(|&address| textbook.access(address)).collect();
+        let mut one_by_one = Cache::new(geometry, policy).unwrap();
+        for (&address, &outcome) in addresses.iter().zip(&expected) {
+            prop_assert_eq!(one_by_one.access(address), outcome, "{:?} {:?} at {:#x}", geometry, policy, address);
+        }
+        let mut in_blocks = Cache::new(geometry, policy).unwrap();
+        for block in addresses.chunks(97) {
+            in_blocks.access_all(block, &mut ());
+        }
+        let misses = expected.iter().filter(|outcome| !outcome.is_hit()).count() as u64;
+        let evictions =
+            expected.iter().filter(|outcome| matches!(outcome, Outcome::Miss { evicted: Some(_), .. })).count() as u64;
+        for cache in [&one_by_one, &in_blocks] {
+            prop_assert_eq!(cache.lookups(), addresses.len() as u64);
+            prop_assert_eq!(cache.misses(), misses);
+            prop_assert_eq!(cache.evictions(), evictions);
+        }
+    }
+
+    #[test]
+    fn misses_fall_into_the_three_classes_as_defined((geometry, policy, addresses) in cases()) {
+        let mut cache = Cache::new(geometry, policy).unwrap();
+        let mut classifier = MissClassifier::new(geometry).unwrap();
+        for block in addresses.chunks(97) {
+            cache.access_all(block, &mut classifier);
+        }
+        let classes = classifier.classes();
+        let got = [classes.compulsory, classes.capacity, classes.conflict];
+        prop_assert_eq!(got, textbook_classes(geometry, policy, &addresses), "{:?} {:?}", geometry, policy);
+        prop_assert_eq!(got.iter().sum::<u64>(), cache.misses());
+    }
+
+    #[test]
+    fn the_texel_cache_conserves_lookups_bytes_and_classes(
+        (geometry, policy, addresses) in cases(),
+        texel in 0u32..=4,
+        planes in 1usize..5,
+    ) {
+        let texel = 1 << texel.min(geometry.line.trailing_zeros());
+        let mut cache = TexelCache::new(geometry, policy, texel, Detail::default()).unwrap();
+        let mut expected = vec![0; planes];
+        for (number, block) in addresses.chunks(5).enumerate() {
+            let plane = number * 7 % planes;
+            expected[plane] += block.len() as u64;
+            if number % 3 == 0 {
+                block.iter().for_each(|&address| { cache.read(plane, address); });
+            } else {
+                cache.read_all(plane, block);
+            }
+        }
+        let c = cache.counters();
+        prop_assert_eq!(c.lookups, addresses.len() as u64);
+        prop_assert_eq!(c.hits + c.misses, c.lookups);
+        prop_assert_eq!(
+            [c.compulsory, c.capacity, c.conflict],
+            textbook_classes(geometry, policy, &addresses)
+        );
+        prop_assert_eq!(c.fills, c.misses);
+        prop_assert_eq!(c.fills - c.evictions, cache.cache().resident());
+        prop_assert_eq!(c.bytes_requested, c.lookups * u64::from(texel));
+        prop_assert_eq!(c.bytes_fetched, c.fills * u64::from(geometry.line));
+        prop_assert_eq!(c.bytes_used, textbook_use(geometry, policy, u64::from(texel), &addresses));
+        prop_assert!(c.bytes_used <= c.bytes_fetched && c.bytes_used <= c.bytes_requested);
+        let rows = cache.planes();
+        for (plane, &lookups) in expected.iter().enumerate().take(rows.len()) {
+            prop_assert_eq!(rows[plane].lookups, lookups);
+            prop_assert_eq!(rows[plane].hits + rows[plane].misses, lookups);
+        }
+        prop_assert_eq!(rows.iter().map(|row| row.misses).sum::<u64>(), c.misses);
+        prop_assert_eq!(rows.iter().map(|row| row.classes.conflict).sum::<u64>(), c.conflict);
+        prop_assert_eq!(rows.iter().map(|row| row.classes.compulsory).sum::<u64>(), c.compulsory);
+        prop_assert_eq!(rows.iter().map(|row| row.classes.capacity).sum::<u64>(), c.capacity);
+    }
+
+    #[test]
+    fn a_set_of_lines_knows_what_it_has_seen(lines in prop::collection::vec(
+        prop_oneof![0u64..300, (1u64 << 24) - 100..(1 << 24) + 100, any::<u64>(), u64::MAX - 100..=u64::MAX], 1..500))
+    {
+        let (mut set, mut textbook) = (LineSet::default(), HashSet::new());
+        for line in lines {
+            prop_assert_eq!(set.insert(line), textbook.insert(line));
+        }
+    }
+}
+
+#[test]
+fn one_fully_associative_set_of_any_policy_has_no_conflicts_under_lru() {
+    let geometry = Geometry { sets: 1, ways: 24, line: 16 };
+    let mut cache = TexelCache::new(geometry, Policy::Lru, 4, Detail::default()).unwrap();
+    let addresses: Vec<u64> = (0..5000u64).map(|i| i * i % 1009 * 4).collect();
+    cache.read_all(0, &addresses);
+    let counters = cache.counters();
+    assert_eq!(counters.conflict, 0);
+    assert!(counters.capacity > 0 && counters.compulsory > 0);
+}
+
+#[test]
+fn detail_that_was_not_asked_for_changes_nothing_else() {
+    let geometry = Geometry { sets: 4, ways: 3, line: 64 };
+    let addresses: Vec<u64> = (0..5000u64).map(|i| i * i % 10007 * 4).collect();
+    let count = |detail| {
+        let mut cache = TexelCache::new(geometry, Policy::Plru, 4, detail).unwrap();
+        cache.read_all(2, &addresses);
+        cache.counters()
+    };
+    let (all, none) = (count(Detail::default()), count(Detail { classes: false, line_use: false }));
+    assert_eq!((none.lookups, none.misses, none.evictions), (all.lookups, all.misses, all.evictions));
+    assert_eq!((none.compulsory, none.capacity, none.conflict, none.bytes_used), (0, 0, 0, 0));
+    assert!(all.bytes_used > 0);
+}
+
+#[test]
+fn shapes_that_cannot_be_built_are_refused_by_name() {
+    let good = Geometry { sets: 3, ways: 24, line: 128 };
+    assert_eq!(good.check(), Ok(()));
+    for (geometry, key) in [
+        (Geometry { sets: 0, ..good }, "sets"),
+        (Geometry { ways: 0, ..good }, "ways"),
+        (Geometry { line: 0, ..good }, "line"),
+        (Geometry { line: 48, ..good }, "line"),
+        (Geometry { line: 8192, ..good }, "line"),
+        (Geometry { sets: u32::MAX, ways: u32::MAX, line: 4096 }, "ways"),
+        (Geometry { sets: 1 << 27, ways: 3, line: 1 }, "sets"),
+    ] {
+        assert_eq!(Cache::new(geometry, Policy::Lru).unwrap_err().key, key, "{geometry:?}");
+        assert_eq!(MissClassifier::new(geometry).unwrap_err().key, key, "{geometry:?}");
+    }
+    let narrow = Geometry { line: 2, ..good };
+    assert_eq!(TexelCache::new(narrow, Policy::Lru, 4, Detail::default()).unwrap_err().key, "texel");
+}
