@@ -32,6 +32,7 @@ pub mod memory;
 pub mod unit;
 
 pub use address::Footprint;
+pub use cache::{Geometry, Policy};
 pub use coordinate::AddressMode;
 pub use datapath::Texel;
 pub use fixed::types::I12F20;

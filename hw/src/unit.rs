@@ -156,7 +156,12 @@ fn expand<'b, 'l, P: Program>(
     for ((request, taps), lod) in requests.iter().zip(footprints.chunks_exact_mut(P::TAPS)).zip(lods) {
         *lod = P::expand(unit, request, taps);
     }
-    Batch { taps: &footprints[..requests.len() * P::TAPS], taps_per_request: P::TAPS, texels_per_tap: P::TEXELS, surface }
+    Batch {
+        taps: &footprints[..requests.len() * P::TAPS],
+        taps_per_request: P::TAPS,
+        texels_per_tap: P::TEXELS,
+        surface,
+    }
 }
 
 fn answer<P: Program>(sampler: &Sampler, source: &impl TexelSource, batch: Batch<'_>, responses: &mut [Response]) {

@@ -2,6 +2,11 @@
 
 use alloc::{vec, vec::Vec};
 
+use crate::{
+    address::is_outside,
+    unit::{Batch, Sink},
+};
+
 use super::{
     Cache, Counters, Geometry, GeometryError, LineUse, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
 };
@@ -139,5 +144,22 @@ impl TexelCache {
     #[must_use]
     pub const fn cache(&self) -> &Cache {
         &self.cache
+    }
+}
+
+impl Sink for TexelCache {
+    /// Reads the taps of a batch, texel by texel, in order of issue.
+    fn take(&mut self, batch: Batch<'_>) {
+        let channels_apart = batch.surface.reads_per_texel() > 1;
+        for tap in batch.taps {
+            let addresses = &tap.address[..batch.texels_per_tap];
+            if channels_apart || addresses.iter().any(|&address| is_outside(address)) {
+                Batch { taps: core::slice::from_ref(tap), ..batch }.for_each_read(|plane, address| {
+                    self.read(plane, address);
+                });
+            } else {
+                self.read_all(tap.plane.into(), addresses);
+            }
+        }
     }
 }
