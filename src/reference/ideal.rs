@@ -1,0 +1,122 @@
+//! The filters themselves: real coordinates, real levels, real weights, no rounding anywhere. What a chip with unlimited
+//! widths would answer, so that the cost of every width can be measured against it.
+
+use texunit_hw::{AddressMode, Filter, LevelRounding, Sampler};
+
+use super::{
+    datapath,
+    lod::{self, Limits},
+    taps::{Program, Reading},
+};
+use crate::{error::Result, pyramid::Pyramid};
+
+/// Sampler state without widths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IdealSampler {
+    /// The tap program.
+    pub filter: Filter,
+    /// Address mode of the u and of the v axis.
+    pub address: [AddressMode; 2],
+    /// How filters of one whole level round it.
+    pub level_rounding: LevelRounding,
+    /// Added to the level before clamping, in levels.
+    pub bias: f64,
+    /// Smallest level.
+    pub min_lod: f64,
+    /// Largest level; wins over the smallest.
+    pub max_lod: f64,
+}
+
+impl From<&Sampler> for IdealSampler {
+    fn from(sampler: &Sampler) -> Self {
+        Self {
+            filter: sampler.filter,
+            address: sampler.address,
+            level_rounding: sampler.level_rounding,
+            bias: lod::from_8_8(i32::from(sampler.bias)),
+            min_lod: lod::from_8_8(sampler.min_lod),
+            max_lod: lod::from_8_8(sampler.max_lod),
+        }
+    }
+}
+
+/// What selects the level: of the only scale or of the u axis, and of the v axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Detail {
+    /// Levels, 0 the texture itself. Not a number means the finest.
+    Level([f64; 2]),
+    /// Texels of level 0 per pixel, squared; signs are ignored. Not a number means the coarsest, as on the chip.
+    SquaredRatio([f64; 2]),
+}
+
+impl Detail {
+    fn level(self, axis: usize) -> f64 {
+        match self {
+            Self::Level(levels) => levels[axis],
+            Self::SquaredRatio(squared) if squared[axis].is_nan() => f64::INFINITY,
+            Self::SquaredRatio(squared) => libm::log2(squared[axis].abs()) / 2.0,
+        }
+    }
+}
+
+/// A filtered texel before anything is rounded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IdealResponse {
+    /// Red, green, blue, alpha, each 0.0 to 255.0.
+    pub texel: [f64; 4],
+    /// Levels used: of the u axis (or the only one), and of the v axis (or the same).
+    pub lod: [f64; 2],
+}
+
+/// A texture unit without quantisation.
+///
+/// ```
+/// use texunit::{pyramid::{PlaneImage, Pyramid}, reference::ideal::{Detail, Ideal, IdealSampler}};
+/// use texunit_hw::{Filter, PyramidKind, Sampler};
+/// let plane = PlaneImage { lu: 0, lv: 0, width: 2, height: 1, texels: vec![[0; 4], [90; 4]] };
+/// let pyramid = Pyramid { kind: PyramidKind::Mipmap, width: 2, height: 1, planes: vec![plane] };
+/// let sampler = Sampler { filter: Filter::Bilinear, ..Sampler::default() };
+/// let ideal = Ideal::new(&pyramid, IdealSampler::from(&sampler))?;
+/// // A third of the way from the first texel centre (0.25) to the second (0.75).
+/// let response = ideal.sample([0.25 + 0.5 / 3.0, 0.5], Detail::Level([0.0; 2]));
+/// assert!((response.texel[0] - 30.0).abs() < 1e-9);
+/// # Ok::<(), texunit::error::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Ideal<'a> {
+    program: Program<'a>,
+    address: [AddressMode; 2],
+}
+
+impl<'a> Ideal<'a> {
+    /// A unit that reads `pyramid` as `sampler` says.
+    ///
+    /// # Errors
+    /// A pyramid without the planes the filter reads.
+    pub fn new(pyramid: &'a Pyramid, sampler: IdealSampler) -> Result<Self> {
+        let limits = Limits::new(sampler.bias, sampler.min_lod, sampler.max_lod, None);
+        let reading = Reading { address: sampler.address, fractions: None };
+        let program = Program::new(pyramid, sampler.filter, sampler.level_rounding, limits, reading)?;
+        Ok(Self { program, address: sampler.address })
+    }
+
+    /// Samples at normalised (u, v). Values that are no coordinate are read as the chip reads them (section 1.1).
+    #[must_use]
+    pub fn sample(&self, at: [f64; 2], detail: Detail) -> IdealResponse {
+        let at = [0, 1].map(|axis| defined(at[axis], self.address[axis]));
+        let (texel, lod) = self.program.run(at, |axis| detail.level(axis), datapath::sum);
+        IdealResponse { texel, lod }
+    }
+}
+
+/// The range of a 12.20 coordinate: beyond it clamp and clip give the same answer as at its end.
+const FURTHEST: f64 = 2048.0;
+
+fn defined(c: f64, mode: AddressMode) -> f64 {
+    match mode {
+        _ if c.is_nan() => 0.0,
+        AddressMode::Wrap | AddressMode::Mirror if c.is_infinite() => 0.0,
+        AddressMode::Wrap | AddressMode::Mirror => libm::fmod(c, 2.0), // exact, and a period of both
+        AddressMode::Clamp | AddressMode::Clip => c.clamp(-FURTHEST, FURTHEST),
+    }
+}
