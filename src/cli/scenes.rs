@@ -45,7 +45,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
 
 fn list() -> Result<Table, Error> {
     let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
+    table.load_style(presets::NOTHING);
     table.set_header(["scene", "size", "texture", "covered pixels", "description"]);
     for name in Scene::builtin_names() {
         let scene = Scene::builtin(name)?;

@@ -25,8 +25,8 @@ impl Ellipsoid {
     /// The ellipsoid as a camera sees it.
     #[must_use]
     pub fn project(&self, camera: Camera, size: [u32; 2]) -> Quadric {
-        let to_sphere = DMat3::from_diagonal(DVec3::from_array(self.radii).recip())
-            * self.pose.rotation.matrix().transpose();
+        let to_sphere =
+            DMat3::from_diagonal(DVec3::from_array(self.radii).recip()) * self.pose.rotation.matrix().transpose();
         Quadric {
             eye: to_sphere * -DVec3::from_array(self.pose.translation),
             rays: camera.rays(size).map(|ray| to_sphere * ray),

@@ -8,15 +8,17 @@ use std::{
 };
 
 use serde::Deserialize;
+use texunit_hw::AddressMode;
 use toml::Spanned;
 
 use super::{
     Camera, Ellipsoid, GradientMethod, MOST_SAMPLES, MatrixStepping, Pattern, PixelOrder, Pose, Procedural, Rectangle,
-    Rotation, Scene, Shape, Supersampling, Texture, TextureSource, Wrap, read_texture,
+    Rotation, Scene, Shape, Supersampling, Texture, TextureSource, read_texture,
 };
 use crate::{
     annotated,
     error::{Error, Result},
+    names::by_name_per_axis,
 };
 
 /// Said with every error that a look at a good scene would mend.
@@ -80,8 +82,8 @@ struct TextureFile {
     cell: Option<Spanned<i64>>,
     line: Option<Spanned<i64>>,
     seed: Option<Spanned<i64>>,
-    #[serde(default)]
-    wrap: [Wrap; 2],
+    #[serde(default, with = "by_name_per_axis")]
+    wrap: [AddressMode; 2],
 }
 
 #[derive(Default, Deserialize)]
@@ -108,8 +110,8 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn parse(path: &Path, source: &str) -> Result<Self> {
-        let file: SceneFile = toml::from_str(source)
-            .map_err(|found| annotated::toml_error(path, source, &found, SEE_EXAMPLE))?;
+        let file: SceneFile =
+            toml::from_str(source).map_err(|found| annotated::toml_error(path, source, &found, SEE_EXAMPLE))?;
         Reader { path, source }.scene(file)
     }
 }

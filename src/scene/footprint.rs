@@ -3,9 +3,6 @@
 //! All arithmetic is f64, rounded once to f32 at the end; what is too large for f32 becomes infinity, which the LOD unit
 //! answers with the coarsest level. The result is NaN only where the gradient is.
 
-use clap::ValueEnum;
-use serde::{Deserialize, Serialize};
-
 use super::Gradient;
 
 /// Which number stands for the whole 2x2 matrix J = (ux uy; vx vy), in texels per pixel, when a filter has one level.
@@ -18,8 +15,7 @@ use super::Gradient;
 /// assert_eq!(Norm::Heckbert.squared_ratio(gradient.in_texels([1, 1])), 64.0);
 /// assert_eq!(Norm::Area.squared_ratio(gradient.in_texels([1, 1])), 8.0);
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Norm {
     /// The longer of the two screen-axis vectors (ux, vx) and (uy, vy): Heckbert, Flavell, OpenGL. Up to half a level short.
     #[default]
@@ -58,8 +54,7 @@ impl Norm {
 }
 
 /// Which scaling ratio drives which pyramid when each texture axis has a level of its own.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AxisRule {
     /// The column pyramid follows the u axis, max(|ux|, |uy|), the row pyramid the v axis, max(|vx|, |vy|): right under any
     /// rotation (E10).
@@ -68,8 +63,6 @@ pub enum AxisRule {
     /// Du & Wan, main step 3 as printed: L_x for the row pyramid, L_y for the column pyramid (E9).
     PaperStep3,
     /// Du & Wan, II-A: L_y = log2 max(|uy|, |vy|) for the row pyramid, L_x for the column pyramid. Right without rotation.
-    #[serde(rename = "paper-2a")]
-    #[value(name = "paper-2a")]
     Paper2a,
 }
 

@@ -1,8 +1,5 @@
 //! The change of (u, v) per pixel step, and the three ways of finding it (E24).
 
-use clap::ValueEnum;
-use serde::{Deserialize, Serialize};
-
 /// Change of the normalised texture coordinates (1.0 is one repeat) per step of one pixel in screen x and y.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gradient {
@@ -33,8 +30,7 @@ impl Gradient {
 
 /// How the gradient of a fragment is found. On a floor, a difference falls short of the derivative by d/(d+1), d pixels below
 /// the horizon: one level at d = 1, 0.014 at 100 (E24).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum GradientMethod {
     /// The derivative at the pixel centre (Herf 1999, part 2).
     #[default]

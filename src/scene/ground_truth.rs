@@ -3,8 +3,9 @@
 use image::RgbaImage;
 use rayon::prelude::*;
 use serde::Serialize;
+use texunit_hw::AddressMode;
 
-use super::{Fragment, GradientMethod, Norm, Scene, Surface, Wrap, noise::unit_hash, order::Span};
+use super::{Fragment, GradientMethod, Norm, Scene, Surface, noise::unit_hash, order::Span};
 
 /// The most sub-samples along one axis of a pixel.
 pub const MOST_SAMPLES: u32 = 32;
@@ -87,7 +88,7 @@ fn average(
     supersampling: Supersampling,
     surface: &Surface,
     texture: &RgbaImage,
-    wrap: [Wrap; 2],
+    wrap: [AddressMode; 2],
     fragment: &Fragment,
 ) -> [f32; 4] {
     let size = <[u32; 2]>::from(texture.dimensions());
@@ -95,10 +96,9 @@ fn average(
     let samples = samples_for(footprint, supersampling.samples);
     let (left, top) = (f64::from(fragment.x), f64::from(fragment.y));
     let (mut sum, mut count) = ([0_u32; 4], 0_u32);
-    let mut add = |(u, v): (f64, f64)| {
-        count += 1;
+    let add = |sum: &mut [u32; 4], (u, v): (f64, f64)| {
         // Outside, when clipped, is transparent black: it counts and adds nothing.
-        let (Some(x), Some(y)) = (wrap[0].texel_under(u, size[0]), wrap[1].texel_under(v, size[1])) else { return };
+        let (Some(x), Some(y)) = (texel_under(wrap[0], u, size[0]), texel_under(wrap[1], v, size[1])) else { return };
         for (sum, channel) in sum.iter_mut().zip(texture.get_pixel(x, y).0) {
             *sum += u32::from(channel);
         }
@@ -107,21 +107,41 @@ fn average(
     let pixel = u32::from(fragment.x) | u32::from(fragment.y) << 16;
     for number in 0..samples * samples {
         let (column, row) = (number % samples, number / samples);
-        let (within_x, within_y) = if supersampling.jitter {
-            (unit_hash(pixel, number, 0), unit_hash(pixel, number, 1))
-        } else {
-            (0.5, 0.5)
-        };
+        let (within_x, within_y) =
+            if supersampling.jitter { (unit_hash(pixel, number, 0), unit_hash(pixel, number, 1)) } else { (0.5, 0.5) };
         let x = left + (f64::from(column) + within_x) * cell;
         let y = top + (f64::from(row) + within_y) * cell;
         if let Some(uv) = surface.uv_at(x, y) {
-            add(uv);
+            add(&mut sum, uv);
+            count += 1;
         }
     }
     // A sliver between the grid points covers the centre alone: the centre then stands for the pixel.
     if count == 0 {
-        add((fragment.u, fragment.v));
+        add(&mut sum, (fragment.u, fragment.v));
         count = 1;
     }
     sum.map(|channel| (f64::from(channel) / f64::from(count)) as f32)
+}
+
+/// The texel of an axis of `texels` under a normalised coordinate, not quantised; `None` outside, when clipped. Infinity and NaN
+/// are outside too: there is no truth for them.
+#[inline]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "reduced to 0..texels before the cast")]
+fn texel_under(wrap: AddressMode, coordinate: f64, texels: u32) -> Option<u32> {
+    if !coordinate.is_finite() {
+        return None;
+    }
+    let size = f64::from(texels);
+    let last = texels - 1;
+    match wrap {
+        AddressMode::Wrap => Some((((coordinate - coordinate.floor()) * size) as u32).min(last)),
+        AddressMode::Clamp => Some(((coordinate * size).max(0.0) as u32).min(last)),
+        AddressMode::Clip => (0.0..1.0).contains(&coordinate).then(|| ((coordinate * size) as u32).min(last)),
+        AddressMode::Mirror => {
+            let turn = coordinate - 2.0 * (coordinate / 2.0).floor();
+            let index = ((turn * size) as u32).min(2 * texels - 1);
+            Some(if index < texels { index } else { 2 * texels - 1 - index })
+        }
+    }
 }

@@ -18,7 +18,6 @@ mod pose;
 mod raster;
 mod rectangle;
 mod texture;
-mod wrap;
 
 use serde::Serialize;
 
@@ -33,7 +32,6 @@ pub use self::{
     raster::{Blocks, Coverage, Fragments},
     rectangle::{Matrix, MatrixStepping, Numerators, Plane, Rectangle},
     texture::{Pattern, Procedural, Texture, TextureSource, read_texture},
-    wrap::Wrap,
 };
 
 /// A scene, with every default filled in: what a report shows to say what was run.

@@ -5,7 +5,7 @@ use image::{Rgb, RgbImage, RgbaImage, buffer::ConvertBuffer};
 use rayon::prelude::*;
 
 use super::{
-    noise::{octaves, unit_hash},
+    noise::{hash, octaves, unit_hash},
     texture::Procedural,
 };
 
@@ -25,18 +25,19 @@ const HAIR: i32 = 12;
 /// The texels.
 pub(super) fn image(texture: &Procedural) -> RgbaImage {
     let [width, height] = texture.size;
+    let strands = Strands::new(texture);
     let mut rgb = RgbImage::new(width, height);
     rgb.par_chunks_exact_mut(3 * width as usize).enumerate().for_each(|(y, row)| {
         for (x, texel) in row.chunks_exact_mut(3).enumerate() {
             #[allow(clippy::cast_possible_truncation, reason = "within the image")]
-            texel.copy_from_slice(&shade(texture, x as u32, y as u32).0);
+            texel.copy_from_slice(&shade(texture, &strands, x as u32, y as u32).0);
         }
     });
     rgb.convert()
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=255 before the cast")]
-fn shade(texture: &Procedural, x: u32, y: u32) -> Rgb<u8> {
+fn shade(texture: &Procedural, strands: &Strands, x: u32, y: u32) -> Rgb<u8> {
     let [width, height] = texture.size;
     let (s, t) = ((f64::from(x) + 0.5) / f64::from(width), (f64::from(y) + 0.5) / f64::from(height));
     let cells = texture.size.map(|axis| (axis / texture.cell).max(1));
@@ -45,10 +46,11 @@ fn shade(texture: &Procedural, x: u32, y: u32) -> Rgb<u8> {
     let warp = octaves(s, t, cells, 3, texture.seed + 101) - 0.5;
     let aside = (s - 0.5).abs() + 0.06 * warp;
 
-    let (fur, fibre) = (fur_colour(s, t, coarse), hairs(texture, x, y, (s, t), warp));
-    let (mut colour, mut softness) = (fur, 1.0);
+    let fibre = strands.hairs(x, y, libm::atan2(t - 0.42, s - 0.5) + 5.0 * warp);
+    let (mut colour, mut softness) = (fur_colour(s, t, coarse), 1.0);
     // Cheeks: ridged blue skin beside the nose, where hair is short.
-    let cheek = smooth(0.235, 0.19, aside) * smooth(0.30, 0.36, t) * smooth(0.80, 0.72, t);
+    let swell = ((t - 0.56) / 0.25) * ((t - 0.56) / 0.25) + ((aside - 0.10) / 0.13) * ((aside - 0.10) / 0.13);
+    let cheek = smooth(1.15, 0.8, swell);
     let ridge = 0.75 + 0.25 * libm::sin((aside * 5.0 - t * 0.8 + 0.25 * warp) * 40.0);
     colour = mix(colour, BLUE.map(|channel| channel * ridge), cheek);
     softness *= 1.0 - 0.65 * cheek;
@@ -79,26 +81,46 @@ fn fur_colour(s: f64, t: f64, coarse: f64) -> Colour {
     mix(mix(OLIVE, GREY, forehead), BEARD, beard)
 }
 
-/// Hairs: white noise averaged along a flow that leaves the face and curls (a line integral convolution), at two widths.
-/// Contrast about -0.6 to 0.6.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "reduced to the image before the cast")]
-fn hairs(texture: &Procedural, x: u32, y: u32, (s, t): (f64, f64), warp: f64) -> f64 {
-    let direction = libm::atan2(t - 0.42, s - 0.5) + 5.0 * warp;
-    let (along_x, along_y) = (libm::cos(direction), libm::sin(direction));
-    let [width, height] = texture.size.map(i64::from);
-    let strands = |thickness: i64, seed: u32| {
-        let sum: f64 = (-HAIR..=HAIR)
-            .map(|step| {
-                let reach = f64::from(step) * thickness as f64;
-                let column = (f64::from(x) + along_x * reach).floor() as i64;
-                let row = (f64::from(y) + along_y * reach).floor() as i64;
-                let (column, row) = (column.rem_euclid(width) / thickness, row.rem_euclid(height) / thickness);
-                unit_hash(column as u32, row as u32, seed)
-            })
-            .sum();
-        sum / f64::from(2 * HAIR + 1) - 0.5
-    };
-    (4.5 * strands(1, texture.seed + 31) + 2.5 * strands(3, texture.seed + 37)).clamp(-0.7, 0.9)
+/// White noise at two widths, hashed once per texel: hairs read every texel many times.
+struct Strands {
+    size: [i32; 2],
+    /// By rows; a hair of the second is three texels wide.
+    noise: [(i32, Vec<u16>); 2],
+}
+
+impl Strands {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "sizes are at most 8192")]
+    fn new(texture: &Procedural) -> Self {
+        let [width, height] = texture.size;
+        let noise = [(1, 31), (3, 37)].map(|(thickness, seed)| {
+            let texels = (0..height).into_par_iter().flat_map_iter(|y| {
+                (0..width).map(move |x| (hash(x / thickness, y / thickness, texture.seed + seed) >> 16) as u16)
+            });
+            (thickness as i32, texels.collect())
+        });
+        Self { size: [width as i32, height as i32], noise }
+    }
+
+    /// Hairs: white noise averaged along a flow that leaves the face and curls (a line integral convolution). Contrast -0.7
+    /// to 0.9.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "reduced to the image before the cast")]
+    fn hairs(&self, x: u32, y: u32, direction: f64) -> f64 {
+        let (along_x, along_y) = (libm::cos(direction), libm::sin(direction));
+        let [width, height] = self.size;
+        let within = |index: i32, size: i32| if (0..size).contains(&index) { index } else { index.rem_euclid(size) };
+        let [fine, wide] = [&self.noise[0], &self.noise[1]].map(|(thickness, noise)| {
+            let sum: u32 = (-HAIR..=HAIR)
+                .map(|step| {
+                    let reach = f64::from(step * thickness);
+                    let column = within((f64::from(x) + along_x * reach + 0.5).floor() as i32, width);
+                    let row = within((f64::from(y) + along_y * reach + 0.5).floor() as i32, height);
+                    u32::from(noise[row as usize * width as usize + column as usize])
+                })
+                .sum();
+            f64::from(sum) / (65536.0 * f64::from(2 * HAIR + 1)) - 0.5
+        });
+        (4.5 * fine + 2.5 * wide).clamp(-0.7, 0.9)
+    }
 }
 
 fn mix(a: Colour, b: Colour, share: f64) -> Colour {

@@ -1,11 +1,7 @@
 //! The order in which pixels are visited: it changes no value, only what a cache sees.
 
-use clap::ValueEnum;
-use serde::{Deserialize, Serialize};
-
 /// The order of pixels on the screen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PixelOrder {
     /// Rows from the top, each from the left.
     #[default]
@@ -46,9 +42,7 @@ impl Spans {
         let [width, height] = size.map(u64::from);
         let end = match order {
             PixelOrder::Scanline => height,
-            PixelOrder::Tiles => {
-                width.div_ceil(u64::from(tile)) * height.div_ceil(u64::from(tile)) * u64::from(tile)
-            }
+            PixelOrder::Tiles => width.div_ceil(u64::from(tile)) * height.div_ceil(u64::from(tile)) * u64::from(tile),
             // Two pixels of a row per run: bit 0 of the curve is bit 0 of x.
             PixelOrder::Morton => {
                 let [columns, rows] = size.map(axis_bits);

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Rotation {
-    /// About the camera's x axis, then its y axis, then its z axis, degrees.
+    /// About the shape's own x axis, then its own y axis as it is after that, then its own z axis: tilt, swing, turn in its
+    /// own plane. Degrees.
     Euler([f64; 3]),
     /// About one axis.
     About {
@@ -31,7 +32,7 @@ impl Rotation {
         match self {
             Self::Euler(degrees) => {
                 let [x, y, z] = degrees.map(f64::to_radians);
-                DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x)
+                DMat3::from_rotation_x(x) * DMat3::from_rotation_y(y) * DMat3::from_rotation_z(z)
             }
             Self::About { axis, angle } => {
                 let axis = DVec3::from_array(axis).normalize_or(DVec3::Z);

@@ -1,8 +1,7 @@
 //! The textured rectangle, through Herf's 3x3 matrix from screen to texture (Herf 1999, parts 1 to 3).
 
-use clap::ValueEnum;
 use glam::{DMat3, DVec3, dvec3};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::{Camera, Coverage, Fragment, Gradient, GradientMethod, Pose, order::Span};
 
@@ -24,8 +23,7 @@ pub struct Rectangle {
 }
 
 /// How the three linear forms are evaluated along a scanline.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MatrixStepping {
     /// Anew at every pixel, in f64.
     #[default]
@@ -60,11 +58,12 @@ impl Rectangle {
 /// w' is the reciprocal of the depth: not positive at and behind the horizon.
 ///
 /// ```
-/// use texunit::scene::Matrix;
+/// use texunit::scene::{Matrix, Numerators};
 /// // The example of E1: at y = 4, j and k are the same for every x; l and m are linear in x.
-/// let matrix = Matrix { a: 2.0, d: 1.0, g: 3.0, b: -1.0, e: 2.0, h: 5.0, c: 0.01, f: 0.02, i: 1.0 };
-/// let w = matrix.projective(0.5, 4.0)[2];
-/// assert_eq!(w, 3.0 * 0.5 + 5.0 * 4.0 + 1.0);
+/// let matrix = Matrix { a: 2.0, b: 1.0, c: 3.0, d: -1.0, e: 2.0, f: 5.0, g: 1.0, h: 2.0, i: 100.0 };
+/// for (x, l, m) in [(0.0, 94.0, 190.0), (1.0, 91.0, 194.0), (2.0, 88.0, 198.0)] {
+///     assert_eq!(matrix.numerators(x, 4.0), Numerators { j: 209.0, k: -121.0, l, m });
+/// }
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the letters are the documentation, see the formula above")]
@@ -103,11 +102,7 @@ impl Matrix {
     #[must_use]
     #[inline]
     pub fn projective(&self, x: f64, y: f64) -> [f64; 3] {
-        [
-            self.a * x + (self.b * y + self.c),
-            self.d * x + (self.e * y + self.f),
-            self.g * x + (self.h * y + self.i),
-        ]
+        [self.a * x + (self.b * y + self.c), self.d * x + (self.e * y + self.f), self.g * x + (self.h * y + self.i)]
     }
 
     /// The numerators of the derivatives at a screen point.

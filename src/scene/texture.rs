@@ -5,12 +5,15 @@ use std::{
     sync::Arc,
 };
 
-use clap::ValueEnum;
 use image::{ImageReader, Rgba, RgbaImage};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use texunit_hw::AddressMode;
 
-use super::{Wrap, natural, noise::unit_hash};
-use crate::error::{Error, Result};
+use super::{natural, noise::unit_hash};
+use crate::{
+    error::{Error, Result},
+    names::by_name_per_axis,
+};
 
 /// The texture of a scene, and what happens beyond its edges.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -20,7 +23,8 @@ pub struct Texture {
     #[serde(flatten)]
     pub source: TextureSource,
     /// Address mode along u and along v.
-    pub wrap: [Wrap; 2],
+    #[serde(with = "by_name_per_axis")]
+    pub wrap: [AddressMode; 2],
 }
 
 /// Where the texels come from.
@@ -40,8 +44,7 @@ pub enum TextureSource {
 }
 
 /// What a procedural texture shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pattern {
     /// Black and white squares.
     Checkerboard,
