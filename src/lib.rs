@@ -3,7 +3,13 @@
 
 pub mod cli;
 pub mod error;
+pub mod experiment;
+pub mod front_end;
+pub mod machine;
 pub mod names;
 pub mod output;
 pub mod pyramid;
 pub mod reference;
+pub mod scene;
+pub mod texture_memory;
+pub mod trace;

@@ -1,7 +1,9 @@
 //! The one spelling of everything a user can choose: the same on the command line, in TOML, JSON, traces and documents.
 
-use serde::{Deserialize, Deserializer, Serializer, de};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeTuple};
 use texunit_hw::{AddressMode, Filter, Format, Layout, LevelRounding, Log2, PyramidKind, Rounding};
+
+use crate::scene::{AxisRule, GradientMethod, MatrixStepping, Norm, Pattern, PixelOrder};
 
 /// A closed set of choices, each with a name.
 pub trait Named: Copy + PartialEq + 'static {
@@ -54,6 +56,39 @@ names! {
     Format, "format" { "rgba8" => Self::Rgba8 }
 }
 
+/// Names for types of this crate, which serde can then read and write without an attribute.
+macro_rules! names_of_ours {
+    ($($type:ty, $what:literal { $($name:literal => $choice:expr),* $(,)? })*) => {
+        names! { $($type, $what { $($name => $choice),* })* }
+        $(impl Serialize for $type {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                by_name::serialize(self, serializer)
+            }
+        }
+        impl<'de> Deserialize<'de> for $type {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                by_name::deserialize(deserializer)
+            }
+        })*
+    };
+}
+
+names_of_ours! {
+    Norm, "LOD norm" {
+        "heckbert" => Self::Heckbert, "herf" => Self::Herf, "max" => Self::Max, "area" => Self::Area,
+        "sigma1" => Self::Sigma1,
+    }
+    AxisRule, "axis rule" {
+        "texture-axes" => Self::TextureAxes, "paper-step3" => Self::PaperStep3, "paper-2a" => Self::Paper2a,
+    }
+    GradientMethod, "gradient method" {
+        "analytic" => Self::Analytic, "forward" => Self::Forward, "quad" => Self::Quad,
+    }
+    PixelOrder, "pixel order" { "scanline" => Self::Scanline, "tiles" => Self::Tiles, "morton" => Self::Morton }
+    MatrixStepping, "matrix stepping" { "per-pixel" => Self::PerPixel, "forward-f32" => Self::ForwardF32 }
+    Pattern, "pattern" { "checkerboard" => Self::Checkerboard, "pane" => Self::Pane, "natural" => Self::Natural }
+}
+
 /// For `#[serde(with = "crate::names::by_name")]` on any [`Named`] field.
 pub mod by_name {
     use super::{Deserialize, Deserializer, Named, Serializer, de};
@@ -72,6 +107,32 @@ pub mod by_name {
     /// An unknown name, with those there are.
     pub fn deserialize<'de, T: Named, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
         T::from_name(&String::deserialize(deserializer)?).map_err(de::Error::custom)
+    }
+}
+
+/// For `#[serde(with = "crate::names::by_name_per_axis")]` on an array of two of a [`Named`]: u, v.
+pub mod by_name_per_axis {
+    use super::{Deserialize, Deserializer, Named, SerializeTuple, Serializer, de};
+
+    /// Writes both names.
+    ///
+    /// # Errors
+    /// Those of the serializer.
+    pub fn serialize<T: Named, S: Serializer>(choices: &[T; 2], serializer: S) -> Result<S::Ok, S::Error> {
+        let mut pair = serializer.serialize_tuple(2)?;
+        for choice in choices {
+            pair.serialize_element(choice.name())?;
+        }
+        pair.end()
+    }
+
+    /// Reads two names.
+    ///
+    /// # Errors
+    /// An unknown name, with those there are.
+    pub fn deserialize<'de, T: Named, D: Deserializer<'de>>(deserializer: D) -> Result<[T; 2], D::Error> {
+        let [u, v] = <[String; 2]>::deserialize(deserializer)?;
+        Ok([T::from_name(&u).map_err(de::Error::custom)?, T::from_name(&v).map_err(de::Error::custom)?])
     }
 }
 

@@ -1,0 +1,143 @@
+//! The images on the shapes: procedural ones as in the Dipmap paper, or the user's own file.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use image::{ImageReader, Rgba, RgbaImage};
+use serde::Serialize;
+use texunit_hw::AddressMode;
+
+use super::{natural, noise::unit_hash};
+use crate::{
+    error::{Error, Result},
+    names::by_name_per_axis,
+};
+
+/// The texture of a scene, and what happens beyond its edges.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Texture {
+    /// Where the texels come from.
+    #[serde(flatten)]
+    pub source: TextureSource,
+    /// Address mode along u and along v.
+    #[serde(with = "by_name_per_axis")]
+    pub wrap: [AddressMode; 2],
+}
+
+/// Where the texels come from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TextureSource {
+    /// Computed, the same on every machine.
+    Procedural(Procedural),
+    /// Read from a file.
+    File {
+        /// The file, as found.
+        path: PathBuf,
+        /// Its texels.
+        #[serde(skip)]
+        image: Arc<RgbaImage>,
+    },
+}
+
+/// What a procedural texture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// Black and white squares.
+    Checkerboard,
+    /// Window panes: thin bright bars on darker glass.
+    Pane,
+    /// A face in fur, in the manner of the baboon: detail at every scale, hairs in every direction.
+    Natural,
+}
+
+/// A procedural texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Procedural {
+    /// What it shows.
+    pub pattern: Pattern,
+    /// Width and height, texels.
+    pub size: [u32; 2],
+    /// Texels of a square, of a pane with its bar, or of the largest feature of a natural texture.
+    pub cell: u32,
+    /// Texels of a bar of a pane.
+    pub line: u32,
+    /// Chooses among natural textures, and the shades of panes.
+    pub seed: u32,
+}
+
+impl Texture {
+    /// The texels: computed now, or those read when the scene was loaded.
+    #[must_use]
+    pub fn image(&self) -> Arc<RgbaImage> {
+        match &self.source {
+            TextureSource::Procedural(procedural) => Arc::new(procedural.image()),
+            TextureSource::File { image, .. } => Arc::clone(image),
+        }
+    }
+
+    /// Width and height, texels.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        match &self.source {
+            TextureSource::Procedural(procedural) => procedural.size,
+            TextureSource::File { image, .. } => image.dimensions().into(),
+        }
+    }
+}
+
+impl Procedural {
+    /// The texels.
+    #[must_use]
+    pub fn image(&self) -> RgbaImage {
+        let [width, height] = self.size;
+        match self.pattern {
+            Pattern::Checkerboard => RgbaImage::from_fn(width, height, |x, y| {
+                let white = (x / self.cell + y / self.cell).is_multiple_of(2);
+                Rgba(if white { [255; 4] } else { [0, 0, 0, 255] })
+            }),
+            Pattern::Pane => RgbaImage::from_fn(width, height, |x, y| self.pane(x, y)),
+            Pattern::Natural => natural::image(self),
+        }
+    }
+
+    /// Bars along the top and left of every cell; glass of one dark blue per pane, lighter along one diagonal streak.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "colours stay within 0 to 255")]
+    fn pane(&self, x: u32, y: u32) -> Rgba<u8> {
+        let (inside_x, inside_y) = (x % self.cell, y % self.cell);
+        if inside_x < self.line || inside_y < self.line {
+            return Rgba([250, 246, 232, 255]);
+        }
+        let shade = unit_hash(x / self.cell, y / self.cell, self.seed);
+        let across = f64::from(inside_x + inside_y) / f64::from(2 * self.cell);
+        let streak = if (0.34..0.42).contains(&across) || (0.46..0.49).contains(&across) { 1.35 } else { 1.0 };
+        let light = (0.75 + 0.5 * shade) * (1.1 - 0.35 * across) * streak;
+        let [red, green, blue] = [38.0, 66.0, 98.0].map(|channel: f64| (channel * light).min(255.0) as u8);
+        Rgba([red, green, blue, 255])
+    }
+}
+
+/// Reads any image the `image` crate knows, as RGBA8.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read, [`Error::File`] if it is not an image or has no texels.
+pub fn read_texture(path: &Path) -> Result<RgbaImage> {
+    let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(Error::io(path))?;
+    let image = reader
+        .decode()
+        .map_err(|problem| {
+            Error::file(path, "image", problem.to_string(), "give a PNG, JPEG, BMP, TGA, PNM or GIF file")
+        })?
+        .into_rgba8();
+    match image.dimensions() {
+        (0, _) | (_, 0) => {
+            let size = format!("{} x {} texels", image.width(), image.height());
+            Err(Error::file(path, "image", size, "give an image with at least one texel"))
+        }
+        _ => Ok(image),
+    }
+}
