@@ -5,3 +5,5 @@ pub mod cli;
 pub mod error;
 pub mod names;
 pub mod output;
+pub mod pyramid;
+pub mod report;
