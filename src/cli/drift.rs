@@ -2,7 +2,7 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
+use comfy_table::{CellAlignment, Table, presets};
 
 use crate::{
     error::Result,
@@ -47,7 +47,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
         }
     }
     let mut table = Table::new();
-    table.load_preset(ASCII_MARKDOWN);
+    table.load_style(presets::NOTHING);
     let names = columns.iter().map(|(name, _)| name.clone());
     table.set_header(["rounding", "expected a level"].map(String::from).into_iter().chain(names));
     for averaging in Averaging::ALL {

@@ -5,13 +5,13 @@ use std::{
     process::ExitCode,
 };
 
-use clap::ValueEnum;
-use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
+use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 use texunit_hw::{AddressMode, PyramidKind};
 
 use crate::{
     error::Result,
+    names::{Named, by_name},
     output::{create_folder, write_whole},
     pyramid::{Build, From, Kernel, PlaneRounding, Pyramid, build::is_premultiplied, image_file, planes_of},
 };
@@ -21,14 +21,14 @@ use crate::{
 pub struct Args {
     /// The texture: PNG, JPEG, BMP, TGA, PNM or GIF
     image: PathBuf,
-    /// Which planes
-    #[arg(long, value_enum, default_value = "mipmap")]
-    pyramid: Planes,
+    /// Which planes: mipmap, dipmap or ripmap
+    #[arg(long, default_value = "mipmap", value_parser = PyramidKind::from_name)]
+    pyramid: PyramidKind,
     /// Folder for plane_LU_LV.png, plane_LU_LV.rgba and planes.json
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
-    /// What is averaged
-    #[arg(long, value_enum, default_value = "box")]
+    /// What is averaged: point, box, tent, lanczos or kaiser
+    #[arg(long, default_value = "box", value_parser = Kernel::from_name)]
     kernel: Kernel,
     /// Kernel width in source texels at 2:1, even, 2 to 64 [default: tent 4, lanczos and kaiser 14]
     #[arg(long, value_name = "N")]
@@ -39,38 +39,12 @@ pub struct Args {
     /// Every plane from the next larger one
     #[arg(long)]
     from_above: bool,
-    /// The one rounding of each texel
-    #[arg(long, value_enum, default_value = "half-even")]
+    /// The one rounding of each texel: half-even, half-up or truncate
+    #[arg(long, default_value = "half-even", value_parser = PlaneRounding::from_name)]
     rounding: PlaneRounding,
-    /// What a kernel finds outside the texture
-    #[arg(long, value_enum, default_value = "wrap")]
-    edge: Edge,
-}
-
-/// Names of [`PyramidKind`].
-#[derive(Clone, Copy, Debug, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum Planes {
-    /// Both axes halved together
-    Mipmap,
-    /// One axis halved at a time
-    Dipmap,
-    /// The whole grid
-    Ripmap,
-}
-
-/// Names of [`AddressMode`].
-#[derive(Clone, Copy, Debug, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum Edge {
-    /// The texture again
-    Wrap,
-    /// The edge texel
-    Clamp,
-    /// The texture mirrored
-    Mirror,
-    /// Transparent black
-    Clip,
+    /// What a kernel finds outside the texture: wrap, clamp, clip or mirror
+    #[arg(long, default_value = "wrap", value_parser = AddressMode::from_name)]
+    edge: AddressMode,
 }
 
 /// What `planes.json` says.
@@ -78,24 +52,15 @@ enum Edge {
 struct Listing {
     schema: u32,
     image: String,
-    pyramid: Planes,
+    #[serde(with = "by_name")]
+    pyramid: PyramidKind,
     width: u32,
     height: u32,
     texels: u64,
     memory_multiple: f64,
-    build: BuildListing,
-    planes: Vec<PlaneListing>,
-}
-
-/// How the planes were made.
-#[derive(Serialize)]
-struct BuildListing {
-    kernel: Kernel,
-    kernel_width: Option<u8>,
-    from: From,
-    rounding: PlaneRounding,
-    edge: Edge,
     premultiplied: bool,
+    build: Build,
+    planes: Vec<PlaneListing>,
 }
 
 /// One plane; `raw` is RGBA8, row after row, no header.
@@ -115,10 +80,10 @@ struct PlaneListing {
 /// An unreadable image, a width the kernel cannot have, a folder that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode> {
     let build = args.build();
-    let kernel_width = build.kernel.width(build.width)?;
+    build.kernel.width(build.width)?;
     let top = image_file::load(&args.image)?;
     create_folder(&args.out)?;
-    let kind = args.pyramid.kind();
+    let kind = args.pyramid;
     let list = planes_of(kind, top.width, top.height);
     let progress = indicatif::ProgressBar::new(list.len() as u64).with_message("planes");
     let planes = build.planes(&top, &list, |_| progress.inc(1))?;
@@ -133,14 +98,9 @@ pub fn run(args: Args) -> Result<ExitCode> {
         height: pyramid.height,
         texels: pyramid.texels(),
         memory_multiple: pyramid.memory_multiple(),
-        build: BuildListing {
-            kernel: build.kernel,
-            kernel_width,
-            from: build.from,
-            rounding: build.rounding,
-            edge: args.edge,
-            premultiplied: is_premultiplied(&top.texels),
-        },
+        premultiplied: is_premultiplied(&top.texels),
+        // With the width the kernel has, asked for or not.
+        build: Build { width: build.kernel.width(build.width)?, ..build },
         planes: pyramid.planes.iter().map(PlaneListing::of).collect(),
     };
     write_planes(&args.out, &pyramid, &listing)?;
@@ -155,28 +115,7 @@ impl Args {
             width: self.width,
             from: if self.from_above { From::Above } else { From::Top },
             rounding: self.rounding,
-            edge: self.edge.address_mode(),
-        }
-    }
-}
-
-impl Planes {
-    const fn kind(self) -> PyramidKind {
-        match self {
-            Self::Mipmap => PyramidKind::Mipmap,
-            Self::Dipmap => PyramidKind::Dipmap,
-            Self::Ripmap => PyramidKind::Ripmap,
-        }
-    }
-}
-
-impl Edge {
-    const fn address_mode(self) -> AddressMode {
-        match self {
-            Self::Wrap => AddressMode::Wrap,
-            Self::Clamp => AddressMode::Clamp,
-            Self::Mirror => AddressMode::Mirror,
-            Self::Clip => AddressMode::Clip,
+            edge: self.edge,
         }
     }
 }
@@ -203,7 +142,7 @@ fn write_planes(folder: &Path, pyramid: &Pyramid, listing: &Listing) -> Result<(
 
 fn print_table(listing: &Listing) {
     let mut table = Table::new();
-    table.load_preset(ASCII_MARKDOWN).set_header(["lu", "lv", "width", "height", "bytes", "file"]);
+    table.load_style(presets::NOTHING).set_header(["lu", "lv", "width", "height", "bytes", "file"]);
     for plane in &listing.planes {
         let bytes = 4 * u64::from(plane.width) * u64::from(plane.height);
         table.add_row([

@@ -5,11 +5,10 @@ use serde::{Deserialize, Serialize};
 use texunit_hw::{AddressMode, PyramidKind};
 
 use super::{PlaneImage, Pyramid, axis::AxisTaps, box_sums, halved, kernel::Kernel, planes_of};
-use crate::error::Result;
+use crate::{error::Result, names::by_name};
 
 /// Which plane a plane is made from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum From {
     /// The texture itself: rounded once, and the kernel grows with the level (Blow 2001).
     #[default]
@@ -19,8 +18,7 @@ pub enum From {
 }
 
 /// How the exact sum of a texel becomes 8 bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum PlaneRounding {
     /// To nearest, ties to even: no drift.
     #[default]
@@ -42,17 +40,22 @@ pub enum PlaneRounding {
 /// assert_eq!(pyramid.plane(1, 0).unwrap().texels, [[128, 0, 0, 255]]);
 /// # Ok::<(), texunit::error::Error>(())
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Build {
     /// What is averaged with which weights.
+    #[serde(with = "by_name")]
     pub kernel: Kernel,
     /// Kernel width in source texels at 2:1, even, 2 to 64; `None` for the kernel's own ([`Kernel::default_width`]).
     pub width: Option<u8>,
     /// Which plane is the source.
+    #[serde(with = "by_name")]
     pub from: From,
     /// The one rounding.
+    #[serde(with = "by_name")]
     pub rounding: PlaneRounding,
     /// What a kernel finds outside the texture: should be what the sampler will find there.
+    #[serde(with = "by_name")]
     pub edge: AddressMode,
 }
 

@@ -57,8 +57,9 @@ fn check_size(path: &Path, width: u32, height: u32) -> Result<()> {
         return Err(Error::file(path, "size", size, "a texture has at least one texel on each side"));
     }
     if width.max(height) > LONGEST_SIDE || u64::from(width) * u64::from(height) > MOST_TEXELS {
-        let remedy =
-            format!("scale it down: at most {LONGEST_SIDE} texels on a side and {MOST_TEXELS} (2^30) in all can be read");
+        let remedy = format!(
+            "scale it down: at most {LONGEST_SIDE} texels on a side and {MOST_TEXELS} (2^30) in all can be read"
+        );
         return Err(Error::file(path, "size", size, remedy));
     }
     Ok(())

@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-use serde::{Deserialize, Serialize};
-
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    names::Named,
+};
 
 /// What a texel of a smaller plane is an average of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Kernel {
     /// Exact area average.
     #[default]
@@ -27,21 +27,6 @@ pub enum Kernel {
 const KAISER_BETA: f64 = 4.0;
 
 impl Kernel {
-    /// All kernels, in the order tables show them.
-    pub const ALL: [Self; 5] = [Self::Point, Self::Box, Self::Tent, Self::Lanczos, Self::Kaiser];
-
-    /// The name on the command line and in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Box => "box",
-            Self::Point => "point",
-            Self::Tent => "tent",
-            Self::Lanczos => "lanczos",
-            Self::Kaiser => "kaiser",
-        }
-    }
-
     /// Width in source texels at 2:1 when none is asked for; `None` for the kernels whose width is not a choice.
     #[must_use]
     pub const fn default_width(self) -> Option<u8> {

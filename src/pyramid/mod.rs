@@ -14,6 +14,7 @@ pub mod response;
 pub use build::{Build, From, PlaneRounding};
 pub use kernel::Kernel;
 use texunit_hw::PyramidKind;
+pub use texunit_hw::surface::planes_of;
 
 /// One image of a pyramid: the texture halved `lu` times along u and `lv` times along v.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,29 +73,6 @@ impl Pyramid {
     #[must_use]
     pub fn memory_multiple(&self) -> f64 {
         self.texels() as f64 / (f64::from(self.width) * f64::from(self.height))
-    }
-}
-
-/// The planes `(lu, lv)` of a pyramid over a `width` x `height` texture, in storage order (docs/numerics.md, section 2).
-///
-/// ```
-/// use texunit::pyramid::planes_of;
-/// use texunit_hw::PyramidKind::{Dipmap, Mipmap, Ripmap};
-///
-/// assert_eq!(planes_of(Mipmap, 4, 2), [(0, 0), (1, 1), (2, 1)]);
-/// assert_eq!(planes_of(Dipmap, 4, 2), [(0, 0), (1, 0), (2, 0), (0, 1)]);
-/// assert_eq!(planes_of(Ripmap, 4, 2), [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1)]);
-/// ```
-///
-/// # Panics
-/// When an axis is 0.
-#[must_use]
-pub fn planes_of(kind: PyramidKind, width: u32, height: u32) -> Vec<(u8, u8)> {
-    let (last_u, last_v) = (width.ilog2() as u8, height.ilog2() as u8);
-    match kind {
-        PyramidKind::Mipmap => (0..=last_u.max(last_v)).map(|l| (l.min(last_u), l.min(last_v))).collect(),
-        PyramidKind::Dipmap => (0..=last_u).map(|lu| (lu, 0)).chain((1..=last_v).map(|lv| (0, lv))).collect(),
-        PyramidKind::Ripmap => (0..=last_v).flat_map(|lv| (0..=last_u).map(move |lu| (lu, lv))).collect(),
     }
 }
 

@@ -50,14 +50,22 @@ impl Response {
         mean_square(|x| self.at(0.25 + x / 4.0))
     }
 
-    /// Darkest and brightest value beside a step from 0 to 255, before clamping: ringing.
+    /// Darkest and brightest value beside a step from 0 to 255, before clamping: ringing. `aligned` steps lie between two
+    /// texels of the smaller plane (E19 counts those: -2.9 and 257.9); the others cut one in half, and ring far more.
     #[must_use]
-    pub fn step_extremes(&self) -> (f64, f64) {
-        let mut sum = 0.0;
-        self.taps.iter().fold((0.0, 255.0), |(low, high): (f64, f64), tap| {
-            sum += 255.0 * tap;
-            (low.min(sum), high.max(sum))
-        })
+    pub fn step_extremes(&self, aligned: bool) -> (f64, f64) {
+        // Texel i takes 2 i + 1 - width/2 ..= 2 i + width/2, so an aligned step leaves it width/2 + 1 taps, or some even
+        // number more or fewer.
+        let parity = usize::from(!aligned) + self.width / 2 + 1;
+        let mut bright = 0.0;
+        let mut extremes = (0.0_f64, 255.0_f64);
+        for (taps, tap) in self.taps.iter().enumerate() {
+            bright += 255.0 * tap;
+            if (taps + 1) % 2 == parity % 2 {
+                extremes = (extremes.0.min(bright), extremes.1.max(bright));
+            }
+        }
+        extremes
     }
 }
 

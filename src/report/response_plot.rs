@@ -2,19 +2,14 @@
 
 use plotters::prelude::*;
 
-use crate::pyramid::response::Response;
+use crate::{names::Named, pyramid::response::Response};
 
 /// Points of a curve.
 const STEPS: u32 = 512;
 
 /// Colours told apart by most colour-blind eyes (Okabe & Ito 2008).
-const COLOURS: [RGBColor; 5] = [
-    RGBColor(0, 0, 0),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 158, 115),
-    RGBColor(213, 94, 0),
-];
+const COLOURS: [RGBColor; 5] =
+    [RGBColor(0, 0, 0), RGBColor(230, 159, 0), RGBColor(86, 180, 233), RGBColor(0, 158, 115), RGBColor(213, 94, 0)];
 
 /// Quietest decibel drawn.
 const FLOOR_DECIBEL: f64 = -80.0;
