@@ -1,6 +1,7 @@
 //! texunit: the open golden model of a GPU texture unit. The chip is the crate [`texunit_hw`]; this crate is the
 //! laboratory around it: pyramids, scenes, the float reference, traces and reports.
 
+pub mod annotated;
 pub mod cli;
 pub mod error;
 pub mod experiment;
@@ -10,6 +11,6 @@ pub mod names;
 pub mod output;
 pub mod pyramid;
 pub mod reference;
+pub mod report;
 pub mod scene;
 pub mod texture_memory;
-pub mod trace;

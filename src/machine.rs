@@ -198,10 +198,11 @@ impl Machine {
         let mut keys = path.split('.').peekable();
         let mut place = &mut table;
         while let Some(key) = keys.next() {
-            let Some(entry) = place.get_mut(key) else {
+            if !place.contains_key(key) {
                 let known: Vec<_> = place.keys().cloned().collect();
                 return Err(bad(format!("there is no key `{key}` here, only {}", known.join(", "))));
-            };
+            }
+            let entry = &mut place[key];
             if keys.peek().is_none() {
                 // An integer is welcome where a number is meant.
                 *entry = match (&*entry, value.as_integer()) {
@@ -223,7 +224,11 @@ impl Machine {
     /// # Errors
     /// The key at fault, its value, and the values that would do.
     pub fn check(&self) -> Result<()> {
-        let levels = [("lod.bias", self.lod.bias, -16.0, 16.0), ("lod.min", self.lod.min, 0.0, 32.0), ("lod.max", self.lod.max, 0.0, 32.0)];
+        let levels = [
+            ("lod.bias", self.lod.bias, -16.0, 16.0),
+            ("lod.min", self.lod.min, 0.0, 32.0),
+            ("lod.max", self.lod.max, 0.0, 32.0),
+        ];
         for (key, value, low, high) in levels {
             if !(low..=high).contains(&value) {
                 return Err(Error::setting(key, value, "out of range", format!("use {low} to {high} levels")));
@@ -238,7 +243,9 @@ impl Machine {
             let (low, high) = error.range;
             return Err(Error::setting(key, error.value, "out of range", format!("use {low} to {high}")));
         }
-        self.cache.policy().map_err(|problem| Error::setting("cache.policy", &self.cache.policy, problem, "see above"))?;
+        self.cache
+            .policy()
+            .map_err(|problem| Error::setting("cache.policy", &self.cache.policy, problem, "see above"))?;
         self.cache.geometry().check().map_err(|error| {
             let shape = format!("{} sets x {} ways x {} bytes", self.cache.sets, self.cache.ways, self.cache.line);
             Error::setting("cache", shape, error.to_string(), "for instance 64 sets, 4 ways, 64 bytes a line")

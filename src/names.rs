@@ -3,6 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeTuple};
 use texunit_hw::{AddressMode, Filter, Format, Layout, LevelRounding, Log2, PyramidKind, Rounding};
 
+use crate::pyramid::{From as PlanesFrom, Kernel, PlaneRounding};
 use crate::scene::{AxisRule, GradientMethod, MatrixStepping, Norm, Pattern, PixelOrder};
 
 /// A closed set of choices, each with a name.
@@ -46,7 +47,14 @@ names! {
         "trilinear" => Self::Trilinear,
         "dipmap" => Self::Dipmap,
     }
-    PyramidKind, "pyramid" { "mipmap" => Self::Mipmap, "dipmap" => Self::Dipmap }
+    PyramidKind, "pyramid" { "mipmap" => Self::Mipmap, "dipmap" => Self::Dipmap, "ripmap" => Self::Ripmap }
+    Kernel, "kernel" {
+        "point" => Self::Point, "box" => Self::Box, "tent" => Self::Tent, "lanczos" => Self::Lanczos, "kaiser" => Self::Kaiser,
+    }
+    PlanesFrom, "source of planes" { "top" => Self::Top, "above" => Self::Above }
+    PlaneRounding, "pyramid rounding" {
+        "half-even" => Self::HalfEven, "half-up" => Self::HalfUp, "truncate" => Self::Truncate,
+    }
     AddressMode, "wrap" { "wrap" => Self::Wrap, "clamp" => Self::Clamp, "clip" => Self::Clip, "mirror" => Self::Mirror }
     Log2, "log2 unit" { "exact" => Self::Exact, "herf" => Self::Herf, "ilog2" => Self::Ilog2 }
     LevelRounding, "level rounding" { "floor" => Self::Floor, "nearest" => Self::Nearest, "gl" => Self::Gl }

@@ -23,7 +23,9 @@ impl TextureMemory {
     /// A layout the pyramid does not fit, or more memory than there is.
     pub fn new(pyramid: &Pyramid, layout: Layout, format: Format) -> Result<Self> {
         let name = crate::names::layout_name(layout);
-        let wrong = |problem: String| Error::setting("texture.layout", &name, problem, "use tiled-4x4, which takes every texture");
+        let wrong = |problem: String| {
+            Error::setting("texture.layout", &name, problem, "use tiled-4x4, which takes every texture")
+        };
         let surface = Surface::new(pyramid.kind, layout, format, pyramid.width, pyramid.height)
             .map_err(|error| wrong(error.to_string()))?;
         let mut bytes = Vec::new();

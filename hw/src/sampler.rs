@@ -26,6 +26,8 @@ pub enum PyramidKind {
     Mipmap,
     /// One axis halved at a time: the two edges, base shared.
     Dipmap,
+    /// Each axis halved as often as the other or not: the whole grid.
+    Ripmap,
 }
 
 impl Filter {

@@ -16,6 +16,7 @@ use crate::{
 /// use texunit_hw::{PyramidKind, surface::planes_of};
 /// assert_eq!(planes_of(PyramidKind::Mipmap, 4, 2), [(0, 0), (1, 1), (2, 1)]);
 /// assert_eq!(planes_of(PyramidKind::Dipmap, 4, 2), [(0, 0), (1, 0), (2, 0), (0, 1)]);
+/// assert_eq!(planes_of(PyramidKind::Ripmap, 4, 2), [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1)]);
 /// ```
 #[must_use]
 pub fn planes_of(kind: PyramidKind, width: u32, height: u32) -> Vec<(u8, u8)> {
@@ -23,6 +24,7 @@ pub fn planes_of(kind: PyramidKind, width: u32, height: u32) -> Vec<(u8, u8)> {
     match kind {
         PyramidKind::Mipmap => (0..=last_u.max(last_v)).map(|level| (level.min(last_u), level.min(last_v))).collect(),
         PyramidKind::Dipmap => (0..=last_u).map(|lu| (lu, 0)).chain((1..=last_v).map(|lv| (0, lv))).collect(),
+        PyramidKind::Ripmap => (0..=last_v).flat_map(|lv| (0..=last_u).map(move |lu| (lu, lv))).collect(),
     }
 }
 
@@ -250,6 +252,7 @@ impl Surface {
                     self.last_levels[0] as usize + lv as usize
                 }
             }
+            PyramidKind::Ripmap => lv as usize * (self.last_levels[0] as usize + 1) + lu as usize,
         }
     }
 

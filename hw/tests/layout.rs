@@ -38,7 +38,7 @@ fn addresses_are_distinct(surface: &Surface) {
 #[test]
 fn no_two_texels_share_a_byte_in_any_layout_of_any_small_size() {
     for (width, height) in (1..=20).flat_map(|width| (1..=20).map(move |height| (width, height))) {
-        for kind in [PyramidKind::Mipmap, PyramidKind::Dipmap] {
+        for kind in [PyramidKind::Mipmap, PyramidKind::Dipmap, PyramidKind::Ripmap] {
             for layout in LAYOUTS {
                 addresses_are_distinct(&Surface::new(kind, layout, Format::Rgba8, width, height).unwrap());
             }

@@ -1,12 +1,21 @@
 //! The command line: one file per subcommand, each with its `Args` and its `run`.
 
+mod drift;
+mod kernels;
+mod mips;
+mod run;
+mod sample;
 mod scenes;
+mod verify;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::error::Error;
+use crate::{
+    error::Result,
+    machine::Machine,
+};
 
 /// The golden model of a GPU texture unit: exact texels, hits and misses, and bytes.
 #[derive(Debug, Parser)]
@@ -19,14 +28,43 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Scenes(scenes::Args),
+    Drift(drift::Args),
+    Kernels(kernels::Args),
+    Mips(mips::Args),
+    Run(run::Args),
+    Sample(sample::Args),
+    Verify(verify::Args),
+}
+
+/// Which machine, for every command that runs one.
+#[derive(Debug, clap::Args)]
+struct MachineArgs {
+    /// Machine: a name that ships (`texunit explain` lists them) or a TOML file
+    #[arg(long, short, value_name = "NAME|FILE", default_value = "herf-12.20")]
+    machine: String,
+    /// One setting on top of the machine, for instance cache.ways=8; may be given more than once
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl MachineArgs {
+    fn load(&self) -> Result<Machine> {
+        Machine::load(&self.machine, &self.set)
+    }
 }
 
 /// Exit status: 0 good, 1 a mismatch was found, 2 bad use or bad input.
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
-    let outcome: Result<ExitCode, Error> = match cli.command {
+    let outcome: Result<ExitCode> = match cli.command {
         Command::Scenes(args) => scenes::run(args),
+        Command::Drift(args) => drift::run(args),
+        Command::Kernels(args) => kernels::run(args),
+        Command::Mips(args) => mips::run(args),
+        Command::Run(args) => run::run(&args),
+        Command::Sample(args) => sample::run(&args),
+        Command::Verify(args) => verify::run(&args),
     };
     outcome.unwrap_or_else(|error| {
         eprintln!("texunit: error: {error}");

@@ -16,7 +16,7 @@ use crate::{
     machine::{Machine, parser},
     names::Named,
     output::{create_folder, write_whole},
-    scene::{self, Scene},
+    scene::Scene,
 };
 
 /// Render scenes through the texture unit, prove every pixel against the reference, and count the traffic.
@@ -61,11 +61,16 @@ static STOP: AtomicBool = AtomicBool::new(false);
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
     let scenes = scenes(&args.scenes, args.size)?;
-    let filters: Vec<Filter> = if args.filters.is_empty() { Filter::ALL.iter().map(|(_, filter)| *filter).collect() } else { args.filters.clone() };
+    let filters: Vec<Filter> = if args.filters.is_empty() {
+        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
+    } else {
+        args.filters.clone()
+    };
     create_folder(&args.output)?;
     let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
     let progress = ProgressBar::new((scenes.len() * filters.len()) as u64).with_style(
-        ProgressStyle::with_template("{bar:24} {pos}/{len} {msg} (about {eta} left)").unwrap_or_else(|_| ProgressStyle::default_bar()),
+        ProgressStyle::with_template("{bar:24} {pos}/{len} {msg} (about {eta} left)")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
     let mut written = Written { folder: &args.output, machine: &machine, scenes: Vec::new(), rows: Vec::new() };
     let mut mismatches = 0;
@@ -110,7 +115,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 
 /// The scenes of names and files, all that ship if there are none.
 fn scenes(names: &[String], size: Option<[u32; 2]>) -> Result<Vec<Scene>> {
-    let mut scenes = if names.is_empty() { scene::built_in() } else { names.iter().map(|name| Scene::find(name)).collect::<Result<_>>()? };
+    let mut scenes: Vec<Scene> = if names.is_empty() {
+        Scene::builtins()?
+    } else {
+        names.iter().map(|name| Scene::find(name)).collect::<Result<_>>()?
+    };
     if let Some(size) = size {
         for scene in &mut scenes {
             scene.size = size;
@@ -121,7 +130,8 @@ fn scenes(names: &[String], size: Option<[u32; 2]>) -> Result<Vec<Scene>> {
 
 fn print_scene(stage: &Stage, outcomes: &[Outcome]) {
     let coverage = &stage.coverage;
-    let behind = if coverage.behind > 0 { format!(", {} behind the eye and left out", coverage.behind) } else { String::new() };
+    let behind =
+        if coverage.behind > 0 { format!(", {} behind the eye and left out", coverage.behind) } else { String::new() };
     println!(
         "\n{}: {}\n{} x {}, {} pixels covered{behind}; errors against {} samples a pixel of the unfiltered texture",
         stage.scene.name,
@@ -193,8 +203,8 @@ fn difference(stage: &Stage, outcome: &Outcome) -> RgbaImage {
 /// Writes a PNG whole or not at all.
 fn write_png(path: &Path, image: &RgbaImage) -> Result<()> {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    image
-        .write_to(&mut bytes, image::ImageFormat::Png)
-        .map_err(|error| Error::file(path, "the image", error.to_string(), "report this: it should always be possible"))?;
+    image.write_to(&mut bytes, image::ImageFormat::Png).map_err(|error| {
+        Error::file(path, "the image", error.to_string(), "report this: it should always be possible")
+    })?;
     write_whole(path, |file| file.write_all(bytes.get_ref()))
 }

@@ -13,16 +13,14 @@ use crate::{
     error::{Error, Result},
     front_end::{FrontEnd, coordinates},
     machine::{Machine, parser, to_level},
-    names::Named,
     output::write_whole,
-    pyramid::Pyramid,
+    pyramid::{Pyramid, image_file},
     reference::{
         Reference,
         ideal::{Detail, Ideal, IdealSampler},
     },
     scene::{Fragment, Gradient},
     texture_memory::TextureMemory,
-    texture_file,
 };
 
 /// Sample a texture at coordinates from a CSV file.
@@ -84,7 +82,7 @@ const GRADIENT_COLUMNS: &[&str] = &["u", "v", "dudx", "dvdx", "dudy", "dvdy"];
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
     let address = [args.wrap, args.wrap_v.unwrap_or(args.wrap)];
-    let top = texture_file::load(&args.texture)?;
+    let top = image_file::load(&args.texture)?;
     let pyramid = machine.texture.pyramid.pyramid(args.filter.pyramid(), &top)?;
     let from_input: Box<dyn Read> = if args.input.as_os_str() == "-" {
         Box::new(io::stdin().lock())
@@ -97,7 +95,13 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         let mut output = io::BufWriter::new(io::stdout().lock());
         session.answer(&mut rows, &mut output)?.map_or_else(
             || Ok(ExitCode::SUCCESS),
-            |error| if error.kind() == io::ErrorKind::BrokenPipe { Ok(ExitCode::SUCCESS) } else { Err(Error::io("standard output")(error)) },
+            |error| {
+                if error.kind() == io::ErrorKind::BrokenPipe {
+                    Ok(ExitCode::SUCCESS)
+                } else {
+                    Err(Error::io("standard output")(error))
+                }
+            },
         )
     } else {
         // The rows are read while the output is written: an error of the former must not leave half of the latter.
@@ -286,7 +290,9 @@ impl Rows {
     /// Replaces `block` with the next rows; empty at the end.
     fn block(&mut self, block: &mut Vec<Row>) -> Result<()> {
         block.clear();
-        while block.len() < BLOCK && self.reader.read_record(&mut self.record).map_err(|error| malformed(&self.path, &error))? {
+        while block.len() < BLOCK
+            && self.reader.read_record(&mut self.record).map_err(|error| malformed(&self.path, &error))?
+        {
             block.push(self.row()?);
         }
         Ok(())
@@ -295,7 +301,12 @@ impl Rows {
     fn row(&self) -> Result<Row> {
         let line = self.record.position().map_or(0, csv::Position::line);
         let wrong = |problem: String| {
-            Error::file(&self.path, format!("line {line}"), problem, "give one number for each column of the first line")
+            Error::file(
+                &self.path,
+                format!("line {line}"),
+                problem,
+                "give one number for each column of the first line",
+            )
         };
         if self.record.len() != self.places.len() {
             return Err(wrong(format!("{} values where {} columns are named", self.record.len(), self.places.len())));

@@ -11,7 +11,7 @@ use crate::{
     experiment::verify::{Finding, combinations, compare, random_subjects, scene_subjects},
     machine::parser,
     names::Named,
-    scene,
+    scene::Scene,
 };
 
 /// Compare the chip with the float reference, bit for bit, over scenes and random requests, filters, wraps, roundings, layouts and
@@ -42,12 +42,15 @@ pub struct Args {
 /// Bad machines.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
-    let filters: Vec<Filter> =
-        if args.filters.is_empty() { Filter::ALL.iter().map(|(_, filter)| *filter).collect() } else { args.filters.clone() };
+    let filters: Vec<Filter> = if args.filters.is_empty() {
+        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
+    } else {
+        args.filters.clone()
+    };
     let combinations = combinations(&filters);
     let mut subjects = random_subjects(args.random);
     if !args.no_scenes {
-        subjects.extend(scene_subjects(&scene::built_in()));
+        subjects.extend(scene_subjects(&Scene::builtins()?));
     }
     let total: usize = subjects.iter().map(|subject| subject.requests()).sum::<usize>() * combinations.len();
     let progress = ProgressBar::new(total as u64).with_style(
@@ -109,7 +112,7 @@ fn rows(filters: &[Filter], findings: &[Finding]) -> Vec<Row> {
 
 fn table(rows: &[Row]) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY).set_header(["filter", "runs", "samples", "mismatches"]);
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_header(["filter", "runs", "samples", "mismatches"]);
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }

@@ -51,7 +51,7 @@ impl Stage {
         let truth = GroundTruth::render(&scene, &image);
         let mut fragments = Vec::new();
         let coverage = scene.for_each_block(|block| fragments.extend_from_slice(block));
-        Self { top: PlaneImage::base(&image), scene, fragments, coverage, truth }
+        Self { top: PlaneImage::of_image(&image), scene, fragments, coverage, truth }
     }
 
     /// The image of answers, fragment by fragment; what no fragment covers is transparent black, as in the paper.
@@ -174,8 +174,9 @@ impl<'s> Bench<'s> {
     }
 
     fn unit(&self) -> Result<Unit<'s>> {
-        Unit::new(&self.sampler, &self.memory.surface, &self.memory.bytes)
-            .map_err(|error| Error::setting("machine", self.sampler.filter as u8, error.to_string(), "change the machine"))
+        Unit::new(&self.sampler, &self.memory.surface, &self.memory.bytes).map_err(|error| {
+            Error::setting("machine", self.sampler.filter as u8, error.to_string(), "change the machine")
+        })
     }
 
     /// Runs chip, cache, reference and ideal.

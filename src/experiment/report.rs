@@ -69,9 +69,20 @@ pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
 #[must_use]
 pub fn table(outcomes: &[Outcome]) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY).set_header([
-        "filter", "reads\n/pixel", "misses", "miss\nrate %", "B/pixel\nuncached", "B/pixel\ncached", "line\nuse %", "memory\nx texture",
-        "RMSE\nLSB", "PSNR\ndB", "worst\nLSB", "mis-\nmatches", "host\nns/pixel",
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_header([
+        "filter",
+        "reads\n/pixel",
+        "misses",
+        "miss\nrate %",
+        "B/pixel\nuncached",
+        "B/pixel\ncached",
+        "line\nuse %",
+        "memory\nx texture",
+        "RMSE\nLSB",
+        "PSNR\ndB",
+        "worst\nLSB",
+        "mis-\nmatches",
+        "host\nns/pixel",
     ]);
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);

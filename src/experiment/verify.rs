@@ -1,7 +1,9 @@
 //! The chip against the reference over everything that can be combined.
 
 use rayon::prelude::*;
-use texunit_hw::{AddressMode, Filter, I12F20, Layout, LevelRounding, LodSource, Log2, Request, Response, Rounding, Unit};
+use texunit_hw::{
+    AddressMode, Filter, I12F20, Layout, LevelRounding, LodSource, Log2, Request, Response, Rounding, Unit,
+};
 
 use super::Mismatch;
 use crate::{
@@ -167,7 +169,7 @@ pub fn scene_subjects(scenes: &[Scene]) -> Vec<Subject> {
         .par_iter()
         .map(|scene| Subject {
             name: scene.name.clone(),
-            top: PlaneImage::base(&scene.texture.image()),
+            top: PlaneImage::of_image(&scene.texture.image()),
             stream: Stream::Scene(scene.fragments().collect()),
         })
         .collect()
@@ -264,7 +266,8 @@ fn compare_one(
 fn random_request(random: &mut SplitMix, source: LodSource) -> Request {
     let bits = random.next();
     let shape = random.next();
-    let place = |bits: u32, near: bool| I12F20::from_bits(if near { bits.cast_signed() >> 10 } else { bits.cast_signed() });
+    let place =
+        |bits: u32, near: bool| I12F20::from_bits(if near { bits.cast_signed() >> 10 } else { bits.cast_signed() });
     let scale = |bits: u64, usual: bool| match source {
         LodSource::Explicit => (bits as i32 >> if usual { 19 } else { 8 }).cast_unsigned(),
         LodSource::Gradient if usual => (120 << 23) + (bits as u32 % (34 << 23)),

@@ -48,6 +48,14 @@ impl Scene {
         Self::parse(Path::new(&format!("scenes/{name}.toml")), Self::builtin_source(name)?)
     }
 
+    /// All built-in scenes, in the order they are run.
+    ///
+    /// # Errors
+    /// None, unless the program was built with a broken scene.
+    pub fn builtins() -> Result<Vec<Self>> {
+        Self::builtin_names().map(Self::builtin).collect()
+    }
+
     /// What a user means by a scene: a built-in name, or the path of a TOML file.
     ///
     /// # Errors

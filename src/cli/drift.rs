@@ -1,0 +1,67 @@
+//! `texunit drift`: how rounding darkens or brightens a pyramid.
+
+use std::{path::PathBuf, process::ExitCode};
+
+use comfy_table::{CellAlignment, Table, presets};
+
+use crate::{
+    error::Result,
+    pyramid::{
+        drift::{Averaging, Channel},
+        image_file,
+    },
+};
+
+/// Mean drift of each rounding rule, and Flavell's darkening with and without its compensation
+///
+/// Every rule halves an image level by level in channels of 8, 6 and 5 bits; shown is how far the mean of the last level
+/// lies from that of the texture, in per cent of full scale (and, for one level, what uniform low bits lead to expect, in
+/// steps of the channel).
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Measure this image too (its green channel, the largest power-of-two square from the upper left)
+    image: Option<PathBuf>,
+    /// Levels below the texture
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u8).range(1..=20))]
+    levels: u8,
+}
+
+/// Side of the built-in images.
+const SIDE: usize = 512;
+
+/// Channel depths: RGBA8, and the two of RGB565.
+const DEPTHS: [u8; 3] = [8, 6, 5];
+
+/// Runs the command.
+///
+/// # Errors
+/// An unreadable image.
+pub fn run(args: Args) -> Result<ExitCode> {
+    let image = args.image.as_deref().map(image_file::load).transpose()?;
+    let mut columns: Vec<(String, Channel)> = Vec::new();
+    for bits in DEPTHS {
+        columns.push((format!("random {bits} bit"), Channel::random(SIDE, bits, 1)));
+        columns.push((format!("natural {bits} bit"), Channel::natural(SIDE, bits, 1)));
+        if let Some(image) = &image {
+            columns.push((format!("image {bits} bit"), Channel::of_image(image, bits)));
+        }
+    }
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    let names = columns.iter().map(|(name, _)| name.clone());
+    table.set_header(["rounding", "expected a level"].map(String::from).into_iter().chain(names));
+    for averaging in Averaging::ALL {
+        let measured = columns.iter().map(|(_, channel)| {
+            let drift = channel.drift(averaging, args.levels).last().copied().unwrap_or(0.0);
+            format!("{:+.2}", 100.0 * drift / f64::from((1u32 << channel.bits) - 1))
+        });
+        let expected = format!("{:+.3}", averaging.expected_drift());
+        table.add_row([averaging.name().to_string(), expected].into_iter().chain(measured));
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    println!("Drift of the mean after {} levels, per cent of full scale; expected: steps of the channel.", args.levels);
+    println!("{table}");
+    Ok(ExitCode::SUCCESS)
+}

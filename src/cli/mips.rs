@@ -1,0 +1,162 @@
+//! `texunit mips`: a texture into the planes of a pyramid.
+
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use comfy_table::{CellAlignment, Table, presets};
+use serde::Serialize;
+use texunit_hw::{AddressMode, PyramidKind};
+
+use crate::{
+    error::Result,
+    names::{Named, by_name},
+    output::{create_folder, write_whole},
+    pyramid::{Build, From, Kernel, PlaneRounding, Pyramid, build::is_premultiplied, image_file, planes_of},
+};
+
+/// Make the planes of a pyramid and write each as PNG and as raw RGBA8
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The texture: PNG, JPEG, BMP, TGA, PNM or GIF
+    image: PathBuf,
+    /// Which planes: mipmap, dipmap or ripmap
+    #[arg(long, default_value = "mipmap", value_parser = PyramidKind::from_name)]
+    pyramid: PyramidKind,
+    /// Folder for plane_LU_LV.png, plane_LU_LV.rgba and planes.json
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+    /// What is averaged: point, box, tent, lanczos or kaiser
+    #[arg(long, default_value = "box", value_parser = Kernel::from_name)]
+    kernel: Kernel,
+    /// Kernel width in source texels at 2:1, even, 2 to 64 [default: tent 4, lanczos and kaiser 14]
+    #[arg(long, value_name = "N")]
+    width: Option<u8>,
+    /// Every plane from the texture itself (the default)
+    #[arg(long, conflicts_with = "from_above")]
+    from_top: bool,
+    /// Every plane from the next larger one
+    #[arg(long)]
+    from_above: bool,
+    /// The one rounding of each texel: half-even, half-up or truncate
+    #[arg(long, default_value = "half-even", value_parser = PlaneRounding::from_name)]
+    rounding: PlaneRounding,
+    /// What a kernel finds outside the texture: wrap, clamp, clip or mirror
+    #[arg(long, default_value = "wrap", value_parser = AddressMode::from_name)]
+    edge: AddressMode,
+}
+
+/// What `planes.json` says.
+#[derive(Serialize)]
+struct Listing {
+    schema: u32,
+    image: String,
+    #[serde(with = "by_name")]
+    pyramid: PyramidKind,
+    width: u32,
+    height: u32,
+    texels: u64,
+    memory_multiple: f64,
+    premultiplied: bool,
+    build: Build,
+    planes: Vec<PlaneListing>,
+}
+
+/// One plane; `raw` is RGBA8, row after row, no header.
+#[derive(Serialize)]
+struct PlaneListing {
+    lu: u8,
+    lv: u8,
+    width: u32,
+    height: u32,
+    png: String,
+    raw: String,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// An unreadable image, a width the kernel cannot have, a folder that cannot be written.
+pub fn run(args: Args) -> Result<ExitCode> {
+    let build = args.build();
+    build.kernel.width(build.width)?;
+    let top = image_file::load(&args.image)?;
+    create_folder(&args.out)?;
+    let kind = args.pyramid;
+    let list = planes_of(kind, top.width, top.height);
+    let progress = indicatif::ProgressBar::new(list.len() as u64).with_message("planes");
+    let planes = build.planes(&top, &list, |_| progress.inc(1))?;
+    progress.finish_and_clear();
+    let pyramid = Pyramid { kind, width: top.width, height: top.height, planes };
+
+    let listing = Listing {
+        schema: 1,
+        image: args.image.display().to_string(),
+        pyramid: args.pyramid,
+        width: pyramid.width,
+        height: pyramid.height,
+        texels: pyramid.texels(),
+        memory_multiple: pyramid.memory_multiple(),
+        premultiplied: is_premultiplied(&top.texels),
+        // With the width the kernel has, asked for or not.
+        build: Build { width: build.kernel.width(build.width)?, ..build },
+        planes: pyramid.planes.iter().map(PlaneListing::of).collect(),
+    };
+    write_planes(&args.out, &pyramid, &listing)?;
+    print_table(&listing);
+    Ok(ExitCode::SUCCESS)
+}
+
+impl Args {
+    fn build(&self) -> Build {
+        Build {
+            kernel: self.kernel,
+            width: self.width,
+            from: if self.from_above { From::Above } else { From::Top },
+            rounding: self.rounding,
+            edge: self.edge,
+        }
+    }
+}
+
+impl PlaneListing {
+    fn of(plane: &crate::pyramid::PlaneImage) -> Self {
+        let stem = format!("plane_{}_{}", plane.lu, plane.lv);
+        let (png, raw) = (format!("{stem}.png"), format!("{stem}.rgba"));
+        Self { lu: plane.lu, lv: plane.lv, width: plane.width, height: plane.height, png, raw }
+    }
+}
+
+/// The listing comes last: where it lies, all it names lies too.
+fn write_planes(folder: &Path, pyramid: &Pyramid, listing: &Listing) -> Result<()> {
+    for (plane, names) in pyramid.planes.iter().zip(&listing.planes) {
+        image_file::write_png(&folder.join(&names.png), plane)?;
+        image_file::write_raw(&folder.join(&names.raw), plane)?;
+    }
+    write_whole(&folder.join("planes.json"), |file| {
+        serde_json::to_writer_pretty(&mut *file, listing)?;
+        file.write_all(b"\n")
+    })
+}
+
+fn print_table(listing: &Listing) {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(["lu", "lv", "width", "height", "bytes", "file"]);
+    for plane in &listing.planes {
+        let bytes = 4 * u64::from(plane.width) * u64::from(plane.height);
+        table.add_row([
+            plane.lu.to_string(),
+            plane.lv.to_string(),
+            plane.width.to_string(),
+            plane.height.to_string(),
+            bytes.to_string(),
+            plane.png.clone(),
+        ]);
+    }
+    for column in table.column_iter_mut().take(5) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    println!("{table}");
+    println!("{} bytes in all: {:.4} times the texture", 4 * listing.texels, listing.memory_multiple);
+}

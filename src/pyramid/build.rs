@@ -1,0 +1,189 @@
+//! From a texture to its planes: exact integer sums along both axes and one rounding (docs/numerics.md, section 8).
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use texunit_hw::{AddressMode, PyramidKind};
+
+use super::{PlaneImage, Pyramid, axis::AxisTaps, box_sums, halved, kernel::Kernel, planes_of};
+use crate::{error::Result, names::by_name};
+
+/// Which plane a plane is made from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum From {
+    /// The texture itself: rounded once, and the kernel grows with the level (Blow 2001).
+    #[default]
+    Top,
+    /// The next larger plane: the usual recursion, rounded and clamped once per level.
+    Above,
+}
+
+/// How the exact sum of a texel becomes 8 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum PlaneRounding {
+    /// To nearest, ties to even: no drift.
+    #[default]
+    HalfEven,
+    /// To nearest, ties up: drifts by +1/8 of a step a level (E16).
+    HalfUp,
+    /// Down, as in Flavell's and Blow's listings: drifts by -3/8 of a step a level (E16).
+    Truncate,
+}
+
+/// How planes are made.
+///
+/// ```
+/// use texunit::pyramid::{Build, PlaneImage};
+/// use texunit_hw::PyramidKind;
+///
+/// let texture = PlaneImage::top(2, 1, vec![[0, 0, 0, 255], [255, 0, 0, 255]]);
+/// let pyramid = Build::default().pyramid(PyramidKind::Mipmap, &texture)?;
+/// assert_eq!(pyramid.plane(1, 0).unwrap().texels, [[128, 0, 0, 255]]);
+/// # Ok::<(), texunit::error::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Build {
+    /// What is averaged with which weights.
+    #[serde(with = "by_name")]
+    pub kernel: Kernel,
+    /// Kernel width in source texels at 2:1, even, 2 to 64; `None` for the kernel's own ([`Kernel::default_width`]).
+    pub width: Option<u8>,
+    /// Which plane is the source.
+    #[serde(with = "by_name")]
+    pub from: From,
+    /// The one rounding.
+    #[serde(with = "by_name")]
+    pub rounding: PlaneRounding,
+    /// What a kernel finds outside the texture: should be what the sampler will find there.
+    #[serde(with = "by_name")]
+    pub edge: AddressMode,
+}
+
+impl Build {
+    /// All planes of a pyramid over `top`.
+    ///
+    /// # Errors
+    /// A width the kernel cannot have.
+    pub fn pyramid(&self, kind: PyramidKind, top: &PlaneImage) -> Result<Pyramid> {
+        let planes = self.planes(top, &planes_of(kind, top.width, top.height), |_| ())?;
+        Ok(Pyramid { kind, width: top.width, height: top.height, planes })
+    }
+
+    /// The planes of `list`, in its order; `made` is called after each plane that took its own pass over a source.
+    ///
+    /// With [`From::Above`] a plane comes from the largest-numbered plane *earlier in the list* that is at least as large on
+    /// both axes (the texture always is), so a list with planes left out gives other texels than the whole one.
+    ///
+    /// # Errors
+    /// A width the kernel cannot have.
+    pub fn planes(&self, top: &PlaneImage, list: &[(u8, u8)], mut made: impl FnMut(usize)) -> Result<Vec<PlaneImage>> {
+        let width = self.kernel.width(self.width)?;
+        let both_powers_of_two = top.width.is_power_of_two() && top.height.is_power_of_two();
+        if self.kernel == Kernel::Box && self.from == From::Top && both_powers_of_two {
+            return Ok(box_sums::planes(top, list, self.rounding));
+        }
+        let limit_colour = is_premultiplied(&top.texels);
+        let mut planes: Vec<PlaneImage> = Vec::with_capacity(list.len());
+        for (number, &(lu, lv)) in list.iter().enumerate() {
+            let source = match self.from {
+                From::Top => top,
+                From::Above => nearest_above(&planes, lu, lv).unwrap_or(top),
+            };
+            let axis = |from, to| AxisTaps::new(self.kernel, width, self.edge, from, to);
+            let (wide, high) = (halved(top.width, lu), halved(top.height, lv));
+            let texels = if (wide, high) == (source.width, source.height) {
+                source.texels.clone()
+            } else {
+                let (u, v) = (axis(source.width, wide), axis(source.height, high));
+                resample(source, &u, &v, self.rounding, limit_colour)
+            };
+            planes.push(PlaneImage { lu, lv, width: wide, height: high, texels });
+            made(number);
+        }
+        Ok(planes)
+    }
+}
+
+/// The plane with the most halvings that `(lu, lv)` can be halved from; of equals the one that leaves the u axis to halve.
+fn nearest_above(planes: &[PlaneImage], lu: u8, lv: u8) -> Option<&PlaneImage> {
+    planes.iter().filter(|plane| plane.lu <= lu && plane.lv <= lv).max_by_key(|plane| (plane.lu + plane.lv, plane.lv))
+}
+
+/// Whether no colour is above its alpha. Then planes keep to that (negative lobes would break it: X17); a texture that
+/// itself breaks it has straight alpha, and nothing follows from one about the other.
+#[must_use]
+pub fn is_premultiplied(texels: &[[u8; 4]]) -> bool {
+    texels.par_iter().all(|&[r, g, b, a]| r <= a && g <= a && b <= a)
+}
+
+/// Divides exact sums by the same number, rounding once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Division {
+    divisor: i64,
+    shift: Option<u32>,
+    rounding: PlaneRounding,
+}
+
+impl Division {
+    pub(crate) fn new(divisor: i64, rounding: PlaneRounding) -> Self {
+        let shift = (divisor as u64).is_power_of_two().then(|| divisor.trailing_zeros());
+        Self { divisor, shift, rounding }
+    }
+
+    /// The quotient, clamped to 8 bits. Sums below zero floor before they clamp, so no rule sees their sign.
+    #[inline(always)]
+    pub(crate) fn of(self, sum: i64) -> u8 {
+        let floor = match self.shift {
+            Some(shift) => sum >> shift,
+            None => sum.div_euclid(self.divisor),
+        };
+        let twice_rest = 2 * (sum - floor * self.divisor);
+        let up = match self.rounding {
+            PlaneRounding::HalfEven => twice_rest + (floor & 1) > self.divisor,
+            PlaneRounding::HalfUp => twice_rest >= self.divisor,
+            PlaneRounding::Truncate => false,
+        };
+        (floor + i64::from(up)).clamp(0, 255) as u8
+    }
+}
+
+/// One plane from another: columns summed in 32 bits, rows of those sums in 64, one division.
+fn resample(
+    source: &PlaneImage,
+    u: &AxisTaps,
+    v: &AxisTaps,
+    rounding: PlaneRounding,
+    limit_colour: bool,
+) -> Vec<[u8; 4]> {
+    let row_length = source.width as usize;
+    let division = Division::new(u.total * v.total, rounding);
+    let mut texels = vec![[0; 4]; u.len() * v.len()];
+    texels.par_chunks_mut(u.len()).enumerate().for_each_init(
+        || vec![[0i32; 4]; row_length],
+        |columns, (j, row)| {
+            columns.fill([0; 4]);
+            for tap in v.of(j) {
+                let begin = tap.texel as usize * row_length;
+                let line = source.texels[begin..begin + row_length].as_flattened();
+                for (sum, &channel) in columns.as_flattened_mut().iter_mut().zip(line) {
+                    *sum += tap.weight * i32::from(channel);
+                }
+            }
+            for (i, texel) in row.iter_mut().enumerate() {
+                let mut sums = [0i64; 4];
+                for tap in u.of(i) {
+                    let column = columns[tap.texel as usize];
+                    for (sum, part) in sums.iter_mut().zip(column) {
+                        *sum += i64::from(tap.weight) * i64::from(part);
+                    }
+                }
+                *texel = sums.map(|sum| division.of(sum));
+                if limit_colour {
+                    let alpha = texel[3];
+                    *texel = texel.map(|channel| channel.min(alpha));
+                }
+            }
+        },
+    );
+    texels
+}
