@@ -45,7 +45,14 @@ names! {
         "bilinear" => Self::Bilinear,
         "nearest-mip" => Self::NearestMip,
         "trilinear" => Self::Trilinear,
+        "brilinear" => Self::Brilinear,
+        "mip-double" => Self::MipDouble,
         "dipmap" => Self::Dipmap,
+        "dipmap-trilinear" => Self::DipmapTrilinear,
+        "ripmap" => Self::Ripmap,
+        "texram" => Self::Texram,
+        "feline" => Self::Feline,
+        "fast" => Self::Fast,
     }
     PyramidKind, "pyramid" { "mipmap" => Self::Mipmap, "dipmap" => Self::Dipmap, "ripmap" => Self::Ripmap }
     Kernel, "kernel" {

@@ -14,8 +14,22 @@ pub enum Filter {
     /// Four texels of each of two levels (Williams 1983).
     #[default]
     Trilinear,
+    /// Trilinear near the middle between two levels, bilinear elsewhere (peers' "brilinear").
+    Brilinear,
+    /// Two levels of a Mipmap, one an axis (Du & Wan, II-A: double sampling).
+    MipDouble,
     /// Four texels of the column pyramid and four of the row pyramid (Du & Wan).
     Dipmap,
+    /// The same with two levels of each.
+    DipmapTrilinear,
+    /// Two levels of each axis, four planes.
+    Ripmap,
+    /// A power of two of trilinear probes along the longer side of the footprint (Schilling 1996).
+    Texram,
+    /// Trilinear probes along the major axis, weighted by a Gaussian (McCormack 1999).
+    Feline,
+    /// Jittered samples over the footprint, as many as each level needs (Chen 2004).
+    Fast,
 }
 
 /// Which planes a pyramid holds (docs/numerics.md, section 2).
@@ -35,7 +49,8 @@ impl Filter {
     #[must_use]
     pub const fn pyramid(self) -> PyramidKind {
         match self {
-            Self::Dipmap => PyramidKind::Dipmap,
+            Self::Dipmap | Self::DipmapTrilinear => PyramidKind::Dipmap,
+            Self::Ripmap => PyramidKind::Ripmap,
             _ => PyramidKind::Mipmap,
         }
     }
@@ -43,7 +58,13 @@ impl Filter {
     /// Whether each axis selects a level of its own.
     #[must_use]
     pub const fn level_per_axis(self) -> bool {
-        matches!(self, Self::Dipmap)
+        matches!(self, Self::MipDouble | Self::Dipmap | Self::DipmapTrilinear | Self::Ripmap)
+    }
+
+    /// Whether `scale` holds the major and the minor axis of the footprint, and `axes` are read (docs/numerics.md, section 5.2).
+    #[must_use]
+    pub const fn is_anisotropic(self) -> bool {
+        matches!(self, Self::Texram | Self::Feline | Self::Fast)
     }
 
     /// Whether the level of a request matters at all.
@@ -108,6 +129,10 @@ pub struct Sampler {
     pub log2: Log2,
     /// How filters of one whole level round it.
     pub level_rounding: LevelRounding,
+    /// Most probes of an anisotropic filter a level, 1 to 64.
+    pub max_anisotropy: u8,
+    /// Brilinear takes one level where the fraction is this close to it, in 1/256 level, 0 to 127.
+    pub brilinear_threshold: u8,
     /// Added to the level before clamping, 8.8, within +-16.0.
     pub bias: i16,
     /// Smallest level, 8.8.
@@ -127,6 +152,8 @@ impl Default for Sampler {
             lod_source: LodSource::default(),
             log2: Log2::default(),
             level_rounding: LevelRounding::default(),
+            max_anisotropy: 16,
+            brilinear_threshold: 64,
             bias: 0,
             min_lod: 0,
             max_lod: 32 << 8,
@@ -162,6 +189,8 @@ impl Sampler {
         let rows = [
             ("filter_bits", i64::from(self.filter_bits), (1, 12)),
             ("lod_bits", i64::from(self.lod_bits), (0, 8)),
+            ("max_anisotropy", i64::from(self.max_anisotropy), (1, 64)),
+            ("brilinear_threshold", i64::from(self.brilinear_threshold), (0, 127)),
             ("bias", i64::from(self.bias), (-16 << 8, 16 << 8)),
             ("min_lod", i64::from(self.min_lod), (0, 32 << 8)),
             ("max_lod", i64::from(self.max_lod), (0, 32 << 8)),
