@@ -2,7 +2,7 @@
 
 use texunit_hw::{AddressMode, Filter, I12F20, Request, coordinate::from_f64_bits};
 
-use crate::scene::{AxisRule, Fragment, Norm};
+use crate::scene::{AxisRule, Fragment, Gradient, Norm};
 
 /// Makes requests for one filter on one texture.
 #[derive(Clone, Copy, Debug)]
@@ -26,20 +26,50 @@ pub fn coordinates(u: f64, v: f64, address: [AddressMode; 2]) -> ([I12F20; 2], u
     (converted.map(|one| one.value), converted.iter().map(|one| u64::from(one.undefined)).sum())
 }
 
+/// A component of a vector in 12.20: to nearest, saturating, not a number to zero.
+fn to_fixed_vector(component: f64) -> I12F20 {
+    I12F20::from_bits((component * 1_048_576.0 + 0.5).floor() as i32)
+}
+
 impl FrontEnd {
     /// The request of a fragment, and how many of its coordinates had no defined place.
     #[must_use]
     pub fn request(&self, fragment: &Fragment) -> (Request, u64) {
         let ([u, v], undefined) = coordinates(fragment.u, fragment.v, self.address);
         let texels = fragment.gradient.in_texels(self.size);
-        let scale = if self.filter.level_per_axis() {
-            self.rule.squared_ratios(texels).map(f32::to_bits)
+        let mut request = Request { u, v, pixel: [fragment.x, fragment.y], ..Request::default() };
+        if self.filter.is_anisotropic() {
+            (request.scale, request.axes) = self.footprint(fragment.gradient, texels);
+        } else if self.filter.level_per_axis() {
+            request.scale = self.rule.squared_ratios(texels).map(f32::to_bits);
         } else if self.filter.uses_level() {
-            [self.norm.squared_ratio(texels).to_bits(), 0]
-        } else {
-            [0; 2]
+            request.scale[0] = self.norm.squared_ratio(texels).to_bits();
+        }
+        (request, undefined)
+    }
+
+    /// Squared axes of the footprint and the vectors that probes step along (docs/numerics.md, section 9).
+    fn footprint(&self, normalised: Gradient, texels: Gradient) -> ([u32; 2], [[I12F20; 2]; 2]) {
+        let screen_axes = [[normalised.ux, normalised.vx], [normalised.uy, normalised.vy]];
+        let lengths = [texels.ux.powi(2) + texels.vx.powi(2), texels.uy.powi(2) + texels.vy.powi(2)];
+        let longer = usize::from(lengths[1] > lengths[0]);
+        let determinant = texels.ux * texels.vy - texels.uy * texels.vx;
+        let (major, vectors) = match self.filter {
+            Filter::Texram => (lengths[longer], [screen_axes[longer], [0.0; 2]]),
+            Filter::Feline => {
+                // The screen direction that is stretched most: the first eigenvector of the gradient's J^T J.
+                let mixed = texels.ux * texels.uy + texels.vx * texels.vy;
+                let angle = libm::atan2(2.0 * mixed, lengths[0] - lengths[1]) / 2.0;
+                let (sine, cosine) = libm::sincos(angle);
+                let semi_axis = [0, 1].map(|i| screen_axes[0][i] * cosine + screen_axes[1][i] * sine);
+                (f64::from(Norm::Sigma1.squared_ratio(texels)), [semi_axis, [0.0; 2]])
+            }
+            _ => (f64::from(Norm::Sigma1.squared_ratio(texels)), [screen_axes[longer], screen_axes[1 - longer]]),
         };
-        (Request { u, v, scale, pixel: [fragment.x, fragment.y], ..Request::default() }, undefined)
+        // X6: the determinant over the major axis, not the difference of two nearly equal squares.
+        let minor = if major > 0.0 { determinant / major * determinant } else { 0.0 };
+        let scale = [major, minor].map(|squared| (squared as f32).to_bits());
+        (scale, vectors.map(|vector| vector.map(to_fixed_vector)))
     }
 
     /// The requests of a scene, in its order.

@@ -67,6 +67,10 @@ pub struct FilterWidths {
     /// Where the datapath rounds.
     #[serde(with = "by_name")]
     pub rounding: Rounding,
+    /// Most probes of an anisotropic filter a level, 1 to 64.
+    pub max_anisotropy: u8,
+    /// Brilinear takes one level where the fraction is this close to it, in 1/256 level, 0 to 127.
+    pub brilinear_threshold: u8,
 }
 
 /// See docs/layouts.md and docs/numerics.md, section 8.
@@ -116,7 +120,7 @@ impl Default for Lod {
 
 impl Default for FilterWidths {
     fn default() -> Self {
-        Self { bits: 8, rounding: Rounding::Once }
+        Self { bits: 8, rounding: Rounding::Once, max_anisotropy: 16, brilinear_threshold: 64 }
     }
 }
 
@@ -238,6 +242,8 @@ impl Machine {
         if let Err(error) = sampler.check() {
             let key = match error.key {
                 "filter_bits" => "filter.bits".to_owned(),
+                "max_anisotropy" => "filter.max-anisotropy".to_owned(),
+                "brilinear_threshold" => "filter.brilinear-threshold".to_owned(),
                 key => key.replace("lod_", "lod."),
             };
             let (low, high) = error.range;
@@ -261,6 +267,8 @@ impl Machine {
             filter_bits: self.filter.bits,
             lod_bits: self.lod.bits,
             rounding: self.filter.rounding,
+            max_anisotropy: self.filter.max_anisotropy,
+            brilinear_threshold: self.filter.brilinear_threshold,
             lod_source,
             log2: self.lod.log2,
             level_rounding: self.lod.rounding,

@@ -37,7 +37,7 @@ pub struct Footprint {
     /// Bilinear fractions of u and v.
     pub fraction: [u16; 2],
     /// Weight of the tap in its request.
-    pub weight: u16,
+    pub weight: u32,
     /// Storage index of the plane.
     pub plane: u16,
 }
@@ -93,7 +93,7 @@ impl AddressUnit {
     /// A bilinear tap at a 12.20 coordinate of any width.
     #[inline]
     #[must_use]
-    pub fn bilinear(&self, plane: usize, u: i64, v: i64, weight: u16) -> Footprint {
+    pub fn bilinear(&self, plane: usize, u: i64, v: i64, weight: u32) -> Footprint {
         let [axis_u, axis_v] = &self.axes[plane];
         let ([left, right], fraction_u) = self.pair(axis_u, u);
         let ([top, bottom], fraction_v) = self.pair(axis_v, v);
@@ -108,7 +108,7 @@ impl AddressUnit {
     /// A point tap.
     #[inline]
     #[must_use]
-    pub fn point(&self, plane: usize, u: i64, v: i64, weight: u16) -> Footprint {
+    pub fn point(&self, plane: usize, u: i64, v: i64, weight: u32) -> Footprint {
         let [left, top] = [(0, u), (1, v)].map(|(axis, coordinate)| {
             let axis = &self.axes[plane][axis];
             let index = texel_under(coordinate & axis.mask, axis.size).clamp(FIRST_INDEX, axis.last);

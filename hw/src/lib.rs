@@ -17,6 +17,8 @@ pub mod sampler;
 pub mod coordinate;
 pub mod lod;
 mod log2_table;
+mod probe_tables;
+mod probes;
 pub mod taps;
 
 pub mod address;
@@ -41,4 +43,4 @@ pub use layout::Layout;
 pub use request::{LodSource, Request, Response};
 pub use sampler::{Filter, LevelRounding, Log2, PyramidKind, Rounding, Sampler, SamplerError};
 pub use surface::{Surface, SurfaceError};
-pub use unit::{Batch, Sink, Unit, UnitError};
+pub use unit::{Batch, Requests, Sink, Unit, UnitError};

@@ -12,23 +12,64 @@ use crate::{
     request::{Request, Response},
     sampler::{Rounding, Sampler, SamplerError},
     surface::Surface,
-    taps::{Program, TapUnit, with_program},
+    taps::{Program, TapUnit, most_taps, with_program},
 };
 
-/// Requests whose footprints are kept at a time: few enough to stay in the first-level cache of the host.
-const BATCH: usize = 128;
+/// Taps whose footprints are kept at a time: few enough to stay in the first-level caches of the host.
+const BATCH_TAPS: usize = 256;
 
 /// The taps of a batch of requests, in order of issue.
 #[derive(Clone, Copy, Debug)]
 pub struct Batch<'b> {
     /// All taps, request by request.
     pub taps: &'b [Footprint],
-    /// Taps of one request.
-    pub taps_per_request: usize,
+    /// How they divide into requests.
+    pub requests: Requests<'b>,
     /// Texels of one tap, 1 or 4: how many addresses of a [`Footprint`] count.
     pub texels_per_tap: usize,
     /// What the addresses are addresses of.
     pub surface: &'b Surface,
+}
+
+/// How the taps of a batch divide into requests.
+#[derive(Clone, Copy, Debug)]
+pub enum Requests<'b> {
+    /// Each has this many.
+    Each(usize),
+    /// Each ends where this says, in taps from the start of the batch.
+    Ends(&'b [u32]),
+}
+
+impl<'b> Batch<'b> {
+    /// Requests in it.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        match self.requests {
+            Requests::Each(taps) => self.taps.len() / taps,
+            Requests::Ends(ends) => ends.len(),
+        }
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The taps of each request.
+    pub fn per_request(&self) -> impl Iterator<Item = &'b [Footprint]> + use<'b> {
+        let (taps, requests) = (self.taps, self.requests);
+        let mut begin = 0;
+        (0..self.len()).map(move |number| {
+            let end = match requests {
+                Requests::Each(taps) => begin + taps,
+                Requests::Ends(ends) => ends[number] as usize,
+            };
+            let of_request = &taps[begin..end];
+            begin = end;
+            of_request
+        })
+    }
 }
 
 impl Batch<'_> {
@@ -93,7 +134,11 @@ pub struct Unit<'m> {
     surface: &'m Surface,
     bytes: &'m [u8],
     taps: TapUnit,
+    /// Requests of a batch.
+    batch: usize,
     footprints: Vec<Footprint>,
+    ends: Vec<u32>,
+    lods: Vec<[u16; 2]>,
 }
 
 impl<'m> Unit<'m> {
@@ -109,13 +154,17 @@ impl<'m> Unit<'m> {
         if bytes.len() as u64 != surface.bytes {
             return Err(UnitError::Memory);
         }
-        let most_taps = with_program!(sampler.filter, P => <P as Program>::TAPS);
+        let (most_taps, always) = most_taps(sampler.filter);
+        let batch = (BATCH_TAPS / most_taps).max(1);
         Ok(Self {
             sampler: *sampler,
             surface,
             bytes,
             taps: TapUnit::new(sampler, surface),
-            footprints: vec![Footprint::default(); BATCH * most_taps],
+            batch,
+            footprints: vec![Footprint::default(); batch * most_taps],
+            ends: vec![0; if always { 0 } else { batch }],
+            lods: vec![[0; 2]; batch],
         })
     }
 
@@ -125,54 +174,60 @@ impl<'m> Unit<'m> {
     /// If the two slices differ in length.
     pub fn run(&mut self, requests: &[Request], responses: &mut [Response], sink: &mut impl Sink) {
         assert_eq!(requests.len(), responses.len(), "one response a request");
+        let size = self.batch;
         with_program!(self.sampler.filter, P => with_source!(self.surface, self.bytes, source => {
-            for (requests, responses) in requests.chunks(BATCH).zip(responses.chunks_mut(BATCH)) {
-                let lods = responses.iter_mut().map(|response| &mut response.lod);
-                let batch = expand::<P>(&self.taps, self.surface, requests, &mut self.footprints, lods);
+            for (requests, responses) in requests.chunks(size).zip(responses.chunks_mut(size)) {
+                let (sampler, (batch, lods)) = (self.sampler, self.expand::<P>(requests));
+                for (response, lod) in responses.iter_mut().zip(lods) {
+                    response.lod = *lod;
+                }
                 sink.take(batch);
-                answer::<P>(&self.sampler, &source, batch, responses);
+                answer::<P>(&sampler, &source, batch, responses);
             }
         }));
     }
 
     /// Makes addresses only: what a cache study needs.
     pub fn addresses(&mut self, requests: &[Request], sink: &mut impl Sink) {
+        let size = self.batch;
         with_program!(self.sampler.filter, P => {
-            for requests in requests.chunks(BATCH) {
-                let mut lods = [[0u16; 2]; BATCH];
-                sink.take(expand::<P>(&self.taps, self.surface, requests, &mut self.footprints, lods.iter_mut()));
+            for requests in requests.chunks(size) {
+                sink.take(self.expand::<P>(requests).0);
             }
         });
     }
-}
 
-fn expand<'b, 'l, P: Program>(
-    unit: &TapUnit,
-    surface: &'b Surface,
-    requests: &[Request],
-    footprints: &'b mut [Footprint],
-    lods: impl Iterator<Item = &'l mut [u16; 2]>,
-) -> Batch<'b> {
-    for ((request, taps), lod) in requests.iter().zip(footprints.chunks_exact_mut(P::TAPS)).zip(lods) {
-        *lod = P::expand(unit, request, taps);
-    }
-    Batch {
-        taps: &footprints[..requests.len() * P::TAPS],
-        taps_per_request: P::TAPS,
-        texels_per_tap: P::TEXELS,
-        surface,
+    /// The taps and levels of at most one batch of requests.
+    #[inline]
+    fn expand<P: Program>(&mut self, requests: &[Request]) -> (Batch<'_>, &[[u16; 2]]) {
+        let mut end = 0;
+        for (number, (request, lod)) in requests.iter().zip(&mut self.lods).enumerate() {
+            let taps = &mut self.footprints[end..end + P::MOST_TAPS];
+            let (count, levels) = P::expand(&self.taps, request, taps);
+            *lod = levels;
+            if P::ALWAYS {
+                end += P::MOST_TAPS;
+            } else {
+                end += count;
+                self.ends[number] = end as u32;
+            }
+        }
+        let divided =
+            if P::ALWAYS { Requests::Each(P::MOST_TAPS) } else { Requests::Ends(&self.ends[..requests.len()]) };
+        let taps = &self.footprints[..end];
+        (Batch { taps, requests: divided, texels_per_tap: P::TEXELS, surface: self.surface }, &self.lods)
     }
 }
 
 fn answer<P: Program>(sampler: &Sampler, source: &impl TexelSource, batch: Batch<'_>, responses: &mut [Response]) {
-    let answers = batch.taps.chunks_exact(P::TAPS).zip(responses);
-    if sampler.rounding == Rounding::Once && sampler.filter_bits == 8 {
-        for (taps, response) in answers {
+    let packed = sampler.rounding == Rounding::Once && sampler.filter_bits == 8;
+    let bits = sampler.filter_bits.into();
+    if packed && P::WEIGHT_BITS <= 8 {
+        for (taps, response) in batch.per_request().zip(responses) {
             response.texel = filter_packed(source, taps, P::TEXELS, P::WEIGHT_BITS);
         }
     } else {
-        let bits = sampler.filter_bits.into();
-        for (taps, response) in answers {
+        for (taps, response) in batch.per_request().zip(responses) {
             response.texel = filter(source, taps, P::TEXELS, bits, P::WEIGHT_BITS, sampler.rounding);
         }
     }

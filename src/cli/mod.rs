@@ -12,10 +12,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::{
-    error::Result,
-    machine::Machine,
-};
+use crate::{error::Result, machine::Machine};
 
 /// The golden model of a GPU texture unit: exact texels, hits and misses, and bytes.
 #[derive(Debug, Parser)]

@@ -112,7 +112,7 @@ fn rows(filters: &[Filter], findings: &[Finding]) -> Vec<Row> {
 
 fn table(rows: &[Row]) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_header(["filter", "runs", "samples", "mismatches"]);
+    table.load_style(presets::UTF8_BORDERS_ONLY).set_header(["filter", "runs", "samples", "mismatches"]);
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }

@@ -69,7 +69,7 @@ pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
 #[must_use]
 pub fn table(outcomes: &[Outcome]) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_header([
+    table.load_style(presets::UTF8_BORDERS_ONLY).set_header([
         "filter",
         "reads\n/pixel",
         "misses",
