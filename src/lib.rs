@@ -1,6 +1,7 @@
 //! texunit: the open golden model of a GPU texture unit. The chip is the crate [`texunit_hw`]; this crate is the
 //! laboratory around it: pyramids, scenes, the float reference, traces and reports.
 
+pub mod address_trace;
 pub mod annotated;
 pub mod cli;
 pub mod error;

@@ -9,7 +9,7 @@ use texunit_hw::cache::{Cache, Detail, Geometry, MissClassifier, Policy, TexelCa
 fn addresses() -> Vec<u64> {
     let (width, height, size) = (1920i64, 540i64, 1024i64);
     let bases: Vec<i64> = (0..11)
-        .scan(0, |at, level| Some(std::mem::replace(at, *at + (4 * size * size >> (2 * level)).max(64))))
+        .scan(0, |at, level| Some(std::mem::replace(at, *at + ((4 * size * size) >> (2 * level)).max(64))))
         .collect();
     let mut out = Vec::with_capacity((width * height * 8) as usize);
     for y in 0..height {
@@ -58,26 +58,33 @@ fn by_hand(addresses: &[u64]) -> u64 {
     misses
 }
 
+struct Entry<'a> {
+    name: String,
+    work: Box<dyn FnMut() -> u64 + 'a>,
+    seconds: f64,
+    misses: u64,
+}
+
 struct Contest<'a> {
     lookups: usize,
-    entries: Vec<(String, Box<dyn FnMut() -> u64 + 'a>, f64, u64)>,
+    entries: Vec<Entry<'a>>,
 }
 
 impl<'a> Contest<'a> {
     fn enter(&mut self, name: impl Into<String>, work: impl FnMut() -> u64 + 'a) {
-        self.entries.push((name.into(), Box::new(work), f64::MAX, 0));
+        self.entries.push(Entry { name: name.into(), work: Box::new(work), seconds: f64::MAX, misses: 0 });
     }
 
     /// Everyone runs once a round, so that all see the same load of the machine; the best of each counts.
     fn run(&mut self, rounds: usize) {
         for _ in 0..rounds {
-            for (_, work, seconds, misses) in &mut self.entries {
+            for Entry { work, seconds, misses, .. } in &mut self.entries {
                 let start = Instant::now();
                 *misses = black_box(work());
                 *seconds = seconds.min(start.elapsed().as_secs_f64());
             }
         }
-        for (name, _, seconds, misses) in &self.entries {
+        for Entry { name, seconds, misses, .. } in &self.entries {
             println!("{name:28} {:8.1} M/s   {misses} misses", self.lookups as f64 / seconds / 1e6);
         }
     }
@@ -117,6 +124,6 @@ fn main() {
         contest.enter(format!("{sets} x {ways} lru"), move || run(Geometry { sets, ways, line: 64 }, Policy::Lru));
     }
     contest.run(9);
-    let [hand, plain, classes] = [0, 1, 2].map(|entry| contest.entries[entry].2);
+    let [hand, plain, classes] = [0, 1, 2].map(|entry| contest.entries[entry].seconds);
     println!("plain / by hand {:.2}; three classes cost {:.2} runs", hand / plain, classes / plain);
 }

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, each with its `Args` and its `run`.
 
+mod cache;
 mod drift;
 mod kernels;
 mod mips;
@@ -24,6 +25,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Cache(cache::Args),
     Scenes(scenes::Args),
     Drift(drift::Args),
     Kernels(kernels::Args),
@@ -55,6 +57,7 @@ impl MachineArgs {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let outcome: Result<ExitCode> = match cli.command {
+        Command::Cache(args) => cache::run(args),
         Command::Scenes(args) => scenes::run(args),
         Command::Drift(args) => drift::run(args),
         Command::Kernels(args) => kernels::run(args),
