@@ -17,12 +17,29 @@ type SumRow = Vec<[u64; 4]>;
 struct Tier {
     /// Halvings of u that every plane of this tier and of those below has.
     lu: u8,
-    /// Planes of this tier by rising `lu`: `lu` and place in the list.
+    /// Planes of this tier by rising `lu`, the texture itself left out: `lu` and place in the list.
     planes: Vec<(u8, usize)>,
     /// Sum of the rows that came in since the last row that went out.
     pending: SumRow,
     /// Rows in `pending`.
     waiting: u8,
+}
+
+/// A texel, or a sum of texels.
+trait Part: Copy {
+    fn channels(self) -> [u64; 4];
+}
+
+impl Part for [u8; 4] {
+    fn channels(self) -> [u64; 4] {
+        self.map(u64::from)
+    }
+}
+
+impl Part for [u64; 4] {
+    fn channels(self) -> [u64; 4] {
+        self
+    }
 }
 
 /// The planes of `list` over a texture whose sides are powers of two.
@@ -31,13 +48,16 @@ pub(crate) fn planes(top: &PlaneImage, list: &[(u8, u8)], rounding: PlaneRoundin
         .iter()
         .map(|&(lu, lv)| {
             let (width, height) = (halved(top.width, lu), halved(top.height, lv));
-            PlaneImage { lu, lv, width, height, texels: Vec::with_capacity(width as usize * height as usize) }
+            let texels = match (lu, lv) {
+                (0, 0) => top.texels.clone(),
+                _ => Vec::with_capacity(width as usize * height as usize),
+            };
+            PlaneImage { lu, lv, width, height, texels }
         })
         .collect();
     let mut tiers = tiers(top.width, list);
     for line in top.texels.chunks_exact(top.width as usize) {
-        let row = line.iter().map(|texel| texel.map(u64::from)).collect();
-        push(&mut tiers, 0, row, rounding, &mut planes);
+        push(&mut tiers, 0, line, 0, rounding, &mut planes);
     }
     planes
 }
@@ -47,7 +67,7 @@ fn tiers(width: u32, list: &[(u8, u8)]) -> Vec<Tier> {
     (0..=last)
         .map(|tier| {
             let lu = list.iter().filter(|&&(_, lv)| lv >= tier).map(|&(lu, _)| lu).min().unwrap_or(0);
-            let numbered = list.iter().enumerate().filter(|&(_, &(_, lv))| lv == tier);
+            let numbered = list.iter().enumerate().filter(|&(_, &(lu, lv))| lv == tier && (lu, lv) != (0, 0));
             let mut planes: Vec<(u8, usize)> = numbered.map(|(place, &(lu, _))| (lu, place)).collect();
             planes.sort_unstable();
             Tier { lu, planes, pending: vec![[0; 4]; halved(width, lu) as usize], waiting: 0 }
@@ -55,35 +75,44 @@ fn tiers(width: u32, list: &[(u8, u8)]) -> Vec<Tier> {
         .collect()
 }
 
-/// A finished row of the tier with `lv` halvings, not yet halved along u for it.
-fn push(tiers: &mut [Tier], lv: u8, mut row: SumRow, rounding: PlaneRounding, planes: &mut [PlaneImage]) {
+/// A finished row of the tier with `lv` halvings, so far halved `lu` times along u.
+fn push<T: Part>(tiers: &mut [Tier], lv: u8, row: &[T], lu: u8, rounding: PlaneRounding, planes: &mut [PlaneImage]) {
     let Some((tier, below)) = tiers.split_first_mut() else { return };
-    let mut lu = if lv == 0 { 0 } else { tier.lu };
-    if let Some(next) = below.first_mut() {
-        add_halved(&mut next.pending, &row, next.lu - lu);
-        next.waiting += 1;
-        if next.waiting == 2 {
-            let fresh = vec![[0; 4]; next.pending.len()];
-            let complete = std::mem::replace(&mut next.pending, fresh);
-            next.waiting = 0;
-            push(below, lv + 1, complete, rounding, planes);
-        }
-    }
-    for &(wanted, place) in &tier.planes {
-        while lu < wanted {
-            halve(&mut row);
-            lu += 1;
-        }
+    let mut emit = |row: &[[u64; 4]], place: usize, lu: u8| {
         let division = Division::new(1 << (lu + lv), rounding);
         planes[place].texels.extend(row.iter().map(|sums| sums.map(|sum| division.of(sum as i64))));
+    };
+    let mut sums: SumRow = Vec::new();
+    let mut reached = lu;
+    for &(wanted, place) in &tier.planes {
+        if sums.is_empty() {
+            // From the row as it came: texels are an eighth of the bytes of their sums, and this is the longest row.
+            sums = vec![[0; 4]; row.len() >> (wanted - lu)];
+            add_halved(&mut sums, row, wanted - lu);
+        } else {
+            (reached..wanted).for_each(|_| halve(&mut sums));
+        }
+        reached = wanted;
+        emit(&sums, place, wanted);
+    }
+    let Some(next) = below.first_mut() else { return };
+    add_halved(&mut next.pending, row, next.lu - lu);
+    next.waiting += 1;
+    if next.waiting == 2 {
+        let mut complete = std::mem::take(&mut next.pending);
+        let lu = next.lu;
+        next.waiting = 0;
+        push(below, lv + 1, &complete, lu, rounding, planes);
+        complete.fill([0; 4]);
+        below[0].pending = complete;
     }
 }
 
 /// Adds to each of `sums` the run of `2^halvings` of `row` that it covers.
-fn add_halved(sums: &mut [[u64; 4]], row: &[[u64; 4]], halvings: u8) {
+fn add_halved<T: Part>(sums: &mut [[u64; 4]], row: &[T], halvings: u8) {
     for (sum, run) in sums.iter_mut().zip(row.chunks_exact(1 << halvings)) {
         for part in run {
-            for (channel, add) in sum.iter_mut().zip(part) {
+            for (channel, add) in sum.iter_mut().zip(part.channels()) {
                 *channel += add;
             }
         }
