@@ -119,6 +119,12 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     }
 }
 
+/// Appends the answers of rows as CSV and counts coordinates without a place.
+type RowSampler<'s> = Box<dyn FnMut(&[Row], &mut String) -> u64 + 's>;
+
+/// Answers requests in bits.
+type FixedSampler<'s> = Box<dyn FnMut(&[Request]) -> Vec<Response> + 's>;
+
 struct Session<'a> {
     args: &'a Args,
     machine: &'a Machine,
@@ -154,7 +160,7 @@ impl Session<'_> {
     }
 
     /// A function that appends the answers of a block of rows as CSV and counts coordinates without a place.
-    fn sampler<'s>(&'s self, sampler: &'s Sampler) -> Result<Box<dyn FnMut(&[Row], &mut String) -> u64 + 's>> {
+    fn sampler<'s>(&'s self, sampler: &'s Sampler) -> Result<RowSampler<'s>> {
         use std::fmt::Write as _;
         let per_axis = sampler.filter.level_per_axis();
         if self.args.model == Model::Ideal {
@@ -199,7 +205,7 @@ impl Session<'_> {
     }
 
     /// The two models that answer in bits.
-    fn fixed<'s>(&'s self, sampler: &'s Sampler) -> Result<Box<dyn FnMut(&[Request]) -> Vec<Response> + 's>> {
+    fn fixed<'s>(&'s self, sampler: &'s Sampler) -> Result<FixedSampler<'s>> {
         if self.args.model == Model::Reference {
             let reference = Reference::new(self.pyramid, sampler)?;
             return Ok(Box::new(move |requests| requests.iter().map(|request| reference.sample(request)).collect()));

@@ -152,7 +152,7 @@ pub fn random_subjects(count: usize) -> Vec<Subject> {
         .map(|(number, [width, height])| {
             let seed = 0x7E78_0001 + number as u64;
             let mut random = SplitMix(seed);
-            let texels = (0..width * height).map(|_| (random.next() as u32).to_le_bytes()).collect();
+            let texels = (0..width * height).map(|_| (random.draw() as u32).to_le_bytes()).collect();
             Subject {
                 name: format!("random {width} x {height}"),
                 top: PlaneImage { lu: 0, lv: 0, width, height, texels },
@@ -232,9 +232,9 @@ fn compare_one(
         Stream::Random { count, seed } => {
             // Explicit levels every second time, with bias and level limits of their own.
             let mut random = SplitMix(seed ^ number << 32);
-            sampler.lod_source = if number % 2 == 0 { LodSource::Gradient } else { LodSource::Explicit };
-            sampler.bias = (random.next() % 8193) as i16 - 4096;
-            let limits = [0, 0].map(|_: i32| (random.next() % (12 << 8)) as i32);
+            sampler.lod_source = if number.is_multiple_of(2) { LodSource::Gradient } else { LodSource::Explicit };
+            sampler.bias = (random.draw() % 8193) as i16 - 4096;
+            let limits = [0, 0].map(|_: i32| (random.draw() % (12 << 8)) as i32);
             if number % 3 == 1 {
                 [sampler.min_lod, sampler.max_lod] = limits;
             }
@@ -264,8 +264,8 @@ fn compare_one(
 
 /// A request with every bit free; half of the coordinates near the texture, half of the ratios of a usual size.
 fn random_request(random: &mut SplitMix, source: LodSource) -> Request {
-    let bits = random.next();
-    let shape = random.next();
+    let bits = random.draw();
+    let shape = random.draw();
     let place =
         |bits: u32, near: bool| I12F20::from_bits(if near { bits.cast_signed() >> 10 } else { bits.cast_signed() });
     let scale = |bits: u64, usual: bool| match source {
@@ -276,9 +276,9 @@ fn random_request(random: &mut SplitMix, source: LodSource) -> Request {
     Request {
         u: place(bits as u32, shape & 1 == 0),
         v: place((bits >> 32) as u32, shape & 2 == 0),
-        scale: [scale(random.next(), shape & 4 == 0), scale(random.next(), shape & 8 == 0)],
+        scale: [scale(random.draw(), shape & 4 == 0), scale(random.draw(), shape & 8 == 0)],
         axes: [0, 1].map(|_| {
-            let bits = random.next();
+            let bits = random.draw();
             [bits as u32, (bits >> 32) as u32].map(|half| I12F20::from_bits(half.cast_signed() >> (shape >> 8 & 15)))
         }),
         pixel: [(shape >> 16) as u16, (shape >> 32) as u16],
@@ -291,7 +291,7 @@ pub struct SplitMix(pub u64);
 
 impl SplitMix {
     /// The next 64 bits.
-    pub fn next(&mut self) -> u64 {
+    pub fn draw(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);

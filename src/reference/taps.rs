@@ -107,6 +107,7 @@ impl<'a> Program<'a> {
                 let taps = [column.bilinear(at, &self.reading, 0.5), row.bilinear(at, &self.reading, 0.5)];
                 (weigh(&taps), levels)
             }
+            filter => unimplemented!("{filter:?}: being written from the specification"),
         }
     }
 }
