@@ -431,6 +431,7 @@ fn any_sampler() -> impl Strategy<Value = Sampler> {
             bias: levels.0,
             min_lod: levels.1,
             max_lod: levels.2,
+            ..Sampler::default()
         })
 }
 

@@ -7,14 +7,17 @@ use comfy_table::{CellAlignment, Table, presets};
 use crate::{
     error::Result,
     pyramid::{
+        PlaneImage,
         drift::{Averaging, Channel},
         image_file,
     },
+    scene::{Pattern, Procedural},
 };
 
 /// Mean drift of each rounding rule, and Flavell's darkening with and without its compensation
 ///
-/// Every rule halves an image level by level in channels of 8, 6 and 5 bits; shown is how far the mean of the last level
+/// Every rule halves an image level by level in channels of 8, 6 and 5 bits: noise, the fur
+/// texture of the built-in scenes, its window panes (flat areas), and an image of yours. Shown is how far the mean of the last level
 /// lies from that of the texture, in per cent of full scale (and, for one level, what uniform low bits lead to expect, in
 /// steps of the channel).
 #[derive(Debug, clap::Args)]
@@ -27,23 +30,30 @@ pub struct Args {
 }
 
 /// Side of the built-in images.
-const SIDE: usize = 512;
+const SIDE: u32 = 512;
 
 /// Channel depths: RGBA8, and the two of RGB565.
 const DEPTHS: [u8; 3] = [8, 6, 5];
+
+fn procedural(pattern: Pattern) -> PlaneImage {
+    let texture = Procedural { pattern, size: [SIDE; 2], cell: 64, line: 6, seed: 1 };
+    PlaneImage::of_image(&texture.image())
+}
 
 /// Runs the command.
 ///
 /// # Errors
 /// An unreadable image.
 pub fn run(args: Args) -> Result<ExitCode> {
-    let image = args.image.as_deref().map(image_file::load).transpose()?;
+    let mut images = vec![("natural", procedural(Pattern::Natural)), ("pane", procedural(Pattern::Pane))];
+    if let Some(path) = &args.image {
+        images.push(("image", image_file::load(path)?));
+    }
     let mut columns: Vec<(String, Channel)> = Vec::new();
     for bits in DEPTHS {
-        columns.push((format!("random {bits} bit"), Channel::random(SIDE, bits, 1)));
-        columns.push((format!("natural {bits} bit"), Channel::natural(SIDE, bits, 1)));
-        if let Some(image) = &image {
-            columns.push((format!("image {bits} bit"), Channel::of_image(image, bits)));
+        columns.push((format!("random {bits} bit"), Channel::random(SIDE as usize, bits, 1)));
+        for (name, image) in &images {
+            columns.push((format!("{name} {bits} bit"), Channel::of_image(image, bits)));
         }
     }
     let mut table = Table::new();

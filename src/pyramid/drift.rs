@@ -115,38 +115,6 @@ impl Channel {
         Self { bits, side, values: values.take(side * side).collect() }
     }
 
-    /// A picture-like image: noise of every octave, bilinearly enlarged, amplitude halving with the scale (a 1/f spectrum,
-    /// as photographs have), with flat sky above.
-    #[must_use]
-    pub fn natural(side: usize, bits: u8, seed: u64) -> Self {
-        let mut sum = vec![0u64; side * side];
-        let mut full = 0;
-        let (mut cells, mut octave) = (2, 0);
-        while cells <= side {
-            let grid = Self::random(cells, 8, seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(octave));
-            let (cell, amplitude) = (side / cells, (side / cells) as u64);
-            for (index, total) in sum.iter_mut().enumerate() {
-                let (x, y) = (index % side, index / side);
-                let at = |x: usize, y: usize| u64::from(grid.values[y / cell % cells * cells + x / cell % cells]);
-                let (f, g) = ((x % cell) as u64, (y % cell) as u64);
-                let whole = cell as u64;
-                let upper = at(x, y) * (whole - f) + at(x + cell, y) * f;
-                let lower = at(x, y + cell) * (whole - f) + at(x + cell, y + cell) * f;
-                *total += amplitude * (upper * (whole - g) + lower * g) / (whole * whole);
-            }
-            full += 255 * amplitude;
-            cells *= 2;
-            octave += 1;
-        }
-        let most = (1u64 << bits) - 1;
-        let sky = most * 3 / 4;
-        let values = sum.iter().enumerate().map(|(index, &value)| {
-            let level = if index / side < side / 4 { sky } else { value * (most + 1) / (full + 1) };
-            level as u32
-        });
-        Self { bits, side, values: values.collect() }
-    }
-
     /// The green channel of a picture, its largest square with a power-of-two side from the upper left, cut to `bits`.
     #[must_use]
     pub fn of_image(image: &PlaneImage, bits: u8) -> Self {

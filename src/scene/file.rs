@@ -13,7 +13,7 @@ use toml::Spanned;
 
 use super::{
     Camera, Ellipsoid, GradientMethod, MOST_SAMPLES, MatrixStepping, Pattern, PixelOrder, Pose, Procedural, Rectangle,
-    Rotation, Scene, Shape, Supersampling, Texture, TextureSource, read_texture,
+    Rotation, Scene, Shape, Supersampling, Texture, TextureSource,
 };
 use crate::{
     annotated,
@@ -289,7 +289,7 @@ impl Reader<'_> {
             return Err(self.error(span, format!("`{key}` is for procedural textures"), "of no use here", remedy));
         }
         let found = self.path.parent().unwrap_or(Path::new("")).join(path.get_ref());
-        let image = read_texture(&found).map_err(|problem| {
+        let image = crate::pyramid::image_file::read(&found).map_err(|problem| {
             let problem = problem.to_string().replace("\n  help: ", "; ");
             let remedy = format!("the path is relative to the scene file: {} must be an image", found.display());
             self.error(path.span(), problem, "this texture", remedy)

@@ -31,7 +31,7 @@ pub use self::{
     pose::{Pose, Rotation},
     raster::{Blocks, Coverage, Fragments},
     rectangle::{Matrix, MatrixStepping, Numerators, Plane, Rectangle},
-    texture::{Pattern, Procedural, Texture, TextureSource, read_texture},
+    texture::{Pattern, Procedural, Texture, TextureSource},
 };
 
 /// A scene, with every default filled in: what a report shows to say what was run.

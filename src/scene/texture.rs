@@ -1,19 +1,13 @@
 //! The images on the shapes: procedural ones as in the Dipmap paper, or the user's own file.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{path::PathBuf, sync::Arc};
 
-use image::{ImageReader, Rgba, RgbaImage};
+use image::{Rgba, RgbaImage};
 use serde::Serialize;
 use texunit_hw::AddressMode;
 
 use super::{natural, noise::unit_hash};
-use crate::{
-    error::{Error, Result},
-    names::by_name_per_axis,
-};
+use crate::names::by_name_per_axis;
 
 /// The texture of a scene, and what happens beyond its edges.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -118,26 +112,5 @@ impl Procedural {
         let light = (0.75 + 0.5 * shade) * (1.1 - 0.35 * across) * streak;
         let [red, green, blue] = [38.0, 66.0, 98.0].map(|channel: f64| (channel * light).min(255.0) as u8);
         Rgba([red, green, blue, 255])
-    }
-}
-
-/// Reads any image the `image` crate knows, as RGBA8.
-///
-/// # Errors
-/// [`Error::Io`] if it cannot be read, [`Error::File`] if it is not an image or has no texels.
-pub fn read_texture(path: &Path) -> Result<RgbaImage> {
-    let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(Error::io(path))?;
-    let image = reader
-        .decode()
-        .map_err(|problem| {
-            Error::file(path, "image", problem.to_string(), "give a PNG, JPEG, BMP, TGA, PNM or GIF file")
-        })?
-        .into_rgba8();
-    match image.dimensions() {
-        (0, _) | (_, 0) => {
-            let size = format!("{} x {} texels", image.width(), image.height());
-            Err(Error::file(path, "image", size, "give an image with at least one texel"))
-        }
-        _ => Ok(image),
     }
 }
