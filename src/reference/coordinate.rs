@@ -64,6 +64,17 @@ fn addressed<const COUNT: usize>(indices: [f64; COUNT], size: f64, mode: Address
     }
 }
 
+/// Step 4 of any index, however far outside: for filters that count texels and not taps.
+#[must_use]
+pub fn anywhere(index: f64, size: f64, mode: AddressMode) -> Option<usize> {
+    let period = match mode {
+        AddressMode::Wrap => size,
+        AddressMode::Mirror => 2.0 * size,
+        AddressMode::Clamp | AddressMode::Clip => return addressed([index], size, mode)[0],
+    };
+    addressed([index - period * floor(index / period)], size, mode)[0]
+}
+
 /// An index modulo its period. The coordinate was reduced, so a tap reaches out of the period by one texel at most.
 #[inline]
 fn within(index: f64, period: f64) -> f64 {
@@ -98,10 +109,23 @@ impl Grid {
         floor(x * self.steps) * self.step
     }
 
+    /// The nearest number of the grid not below `x`.
+    #[must_use]
+    pub fn ceil(&self, x: f64) -> f64 {
+        -self.floor(-x)
+    }
+
     /// The nearest number of the grid, half up.
     #[inline]
     #[must_use]
     pub fn nearest(&self, x: f64) -> f64 {
         floor(x * self.steps + 0.5) * self.step
     }
+}
+
+/// The nearest number not above `x` that there is: of a grid, or `x` itself among the real numbers.
+#[inline]
+#[must_use]
+pub fn floored(grid: Option<Grid>, x: f64) -> f64 {
+    grid.map_or(x, |grid| grid.floor(x))
 }

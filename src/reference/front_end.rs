@@ -1,4 +1,5 @@
-//! From floats to 12.20 (docs/numerics.md, section 1.1): the oracle of the chip's integer conversion.
+//! From floats to 12.20 (docs/numerics.md, sections 1.1 and 9): the oracle of the chip's integer conversion and of the front
+//! end's vectors.
 
 use texunit_hw::AddressMode;
 
@@ -37,4 +38,20 @@ pub fn to_fixed(x: f64, mode: AddressMode) -> (i32, bool) {
             ((x * TURN).floor().clamp(-WORD / 2.0, WORD / 2.0 - 1.0) as i32, false)
         }
     }
+}
+
+/// A component of a footprint axis as the 12.20 integer of a request: to nearest, half up, saturating.
+///
+/// ```
+/// use texunit::reference::front_end::vector_to_fixed;
+/// assert_eq!(vector_to_fixed(-0.5 / 1_048_576.0), 0);
+/// assert_eq!(vector_to_fixed(-1e300), i32::MIN);
+/// assert_eq!(vector_to_fixed(f64::NAN), 0);
+/// ```
+#[must_use]
+pub fn vector_to_fixed(x: f64) -> i32 {
+    let units = x * TURN;
+    let below = units.floor();
+    // Adding one half before the floor could round up what is just below a half. A cast saturates, and makes 0 of NaN.
+    (if units - below >= 0.5 { below + 1.0 } else { below }) as i32
 }

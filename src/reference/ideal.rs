@@ -5,8 +5,11 @@ use texunit_hw::{AddressMode, Filter, LevelRounding, Sampler};
 
 use super::{
     datapath,
+    footprint::Footprint,
     lod::{self, Limits},
-    taps::{Program, Reading},
+    planes::Reading,
+    probes::Aim,
+    taps::{Program, Settings},
 };
 use crate::{error::Result, pyramid::Pyramid};
 
@@ -19,6 +22,10 @@ pub struct IdealSampler {
     pub address: [AddressMode; 2],
     /// How filters of one whole level round it.
     pub level_rounding: LevelRounding,
+    /// Most probes of an anisotropic filter a level, at least 1.
+    pub max_anisotropy: u8,
+    /// Brilinear takes one level where the fraction is this close to it, in levels, less than one half.
+    pub brilinear_threshold: f64,
     /// Added to the level before clamping, in levels.
     pub bias: f64,
     /// Smallest level.
@@ -33,6 +40,8 @@ impl From<&Sampler> for IdealSampler {
             filter: sampler.filter,
             address: sampler.address,
             level_rounding: sampler.level_rounding,
+            max_anisotropy: sampler.max_anisotropy,
+            brilinear_threshold: lod::from_8_8(sampler.brilinear_threshold.into()),
             bias: lod::from_8_8(i32::from(sampler.bias)),
             min_lod: lod::from_8_8(sampler.min_lod),
             max_lod: lod::from_8_8(sampler.max_lod),
@@ -47,14 +56,31 @@ pub enum Detail {
     Level([f64; 2]),
     /// Texels of level 0 per pixel, squared; signs are ignored. Not a number means the coarsest, as on the chip.
     SquaredRatio([f64; 2]),
+    /// The same with directions, which anisotropic filters look along; given one of the others, all their probes fall on
+    /// one place.
+    Footprint(Footprint),
 }
 
 impl Detail {
     fn level(self, axis: usize) -> f64 {
         match self {
             Self::Level(levels) => levels[axis],
-            Self::SquaredRatio(squared) if squared[axis].is_nan() => f64::INFINITY,
-            Self::SquaredRatio(squared) => libm::log2(squared[axis].abs()) / 2.0,
+            Self::SquaredRatio(squared) | Self::Footprint(Footprint { squared, .. }) if squared[axis].is_nan() => {
+                f64::INFINITY
+            }
+            Self::SquaredRatio(squared) | Self::Footprint(Footprint { squared, .. }) => {
+                libm::log2(squared[axis].abs()) / 2.0
+            }
+        }
+    }
+
+    fn aim(self) -> Aim {
+        match self {
+            Self::Level(_) | Self::SquaredRatio(_) => Aim::default(),
+            Self::Footprint(Footprint { axes, pixel, .. }) => Aim {
+                axes: axes.map(|axis| axis.map(|c| if c.is_nan() { 0.0 } else { c.clamp(-FURTHEST, FURTHEST) })),
+                pixel,
+            },
         }
     }
 }
@@ -96,7 +122,17 @@ impl<'a> Ideal<'a> {
     pub fn new(pyramid: &'a Pyramid, sampler: IdealSampler) -> Result<Self> {
         let limits = Limits::new(sampler.bias, sampler.min_lod, sampler.max_lod, None);
         let reading = Reading { address: sampler.address, fractions: None };
-        let program = Program::new(pyramid, sampler.filter, sampler.level_rounding, limits, reading)?;
+        let settings = Settings {
+            filter: sampler.filter,
+            level_rounding: sampler.level_rounding,
+            max_anisotropy: sampler.max_anisotropy,
+            brilinear_threshold: sampler.brilinear_threshold,
+            limits,
+            reading,
+            weights: None,
+            places: None,
+        };
+        let program = Program::new(pyramid, settings)?;
         Ok(Self { program, address: sampler.address })
     }
 
@@ -104,15 +140,16 @@ impl<'a> Ideal<'a> {
     #[must_use]
     pub fn sample(&self, at: [f64; 2], detail: Detail) -> IdealResponse {
         let at = [0, 1].map(|axis| defined(at[axis], self.address[axis]));
-        let (texel, lod) = self.program.run(at, |axis| detail.level(axis), datapath::sum);
+        let (texel, lod) = self.program.run(at, |axis| detail.level(axis), || detail.aim(), datapath::sum);
         IdealResponse { texel, lod }
     }
 }
 
 /// The range of a 12.20 coordinate: beyond it clamp and clip give the same answer as at its end.
-const FURTHEST: f64 = 2048.0;
+pub(super) const FURTHEST: f64 = 2048.0;
 
-fn defined(c: f64, mode: AddressMode) -> f64 {
+/// A coordinate that every mode has texels for.
+pub(super) fn defined(c: f64, mode: AddressMode) -> f64 {
     match mode {
         _ if c.is_nan() => 0.0,
         AddressMode::Wrap | AddressMode::Mirror if c.is_infinite() => 0.0,

@@ -2,14 +2,21 @@
 //!
 //! Written from that page and not from `hw/`, and in another language of thought: coordinates are turns, levels are levels
 //! and weights sum to one, all held in f64 and quantised by `floor` where the page says so. Every number here is a dyadic
-//! fraction of at most 53 bits, so f64 is exact throughout (the one exception, the logarithm, is argued in `lod.rs`).
-//! [`ideal`] is the same filters with nothing quantised; [`front_end`] is the conversion of floats to requests.
+//! fraction of at most 53 bits, so f64 is exact throughout (the exceptions, logarithms and a Gaussian, are argued in `lod.rs`
+//! and `probes.rs`). [`ideal`] is the same filters with nothing quantised; [`ewa`] the filter they are measured against;
+//! [`sat`] the summed-area table, by adding texels up; [`front_end`] the conversion of floats to requests.
 
 mod coordinate;
 mod datapath;
+pub mod ewa;
+pub mod footprint;
 pub mod front_end;
 pub mod ideal;
+mod jitter;
 mod lod;
+mod planes;
+mod probes;
+pub mod sat;
 mod taps;
 
 use texunit_hw::{I12F20, Request, Response, Rounding, Sampler};
@@ -20,7 +27,9 @@ use crate::{
 };
 use coordinate::Grid;
 use lod::Limits;
-use taps::{Program, Reading};
+use planes::Reading;
+use probes::Aim;
+use taps::{Program, Settings};
 
 /// The float model of one texture unit: a pyramid and a sampler.
 ///
@@ -52,14 +61,7 @@ impl<'a> Reference<'a> {
     /// # Errors
     /// A setting out of range, or a pyramid without the planes the filter reads.
     pub fn new(pyramid: &'a Pyramid, sampler: &Sampler) -> Result<Self> {
-        sampler.check().map_err(|wrong| {
-            Error::setting(
-                wrong.key,
-                wrong.value,
-                "the unit has no wires for it",
-                format!("give {} to {}", wrong.range.0, wrong.range.1),
-            )
-        })?;
+        checked(sampler)?;
         let limits = Limits::new(
             lod::from_8_8(i32::from(sampler.bias)),
             lod::from_8_8(sampler.min_lod),
@@ -67,17 +69,27 @@ impl<'a> Reference<'a> {
             Some(Grid::new(sampler.lod_bits)),
         );
         let reading = Reading { address: sampler.address, fractions: Some(Grid::new(sampler.filter_bits)) };
-        let program = Program::new(pyramid, sampler.filter, sampler.level_rounding, limits, reading)?;
+        let settings = Settings {
+            filter: sampler.filter,
+            level_rounding: sampler.level_rounding,
+            max_anisotropy: sampler.max_anisotropy,
+            brilinear_threshold: lod::from_8_8(sampler.brilinear_threshold.into()),
+            limits,
+            reading,
+            weights: Some(Grid::new(8)),
+            places: Some(Grid::new(20)),
+        };
+        let program = Program::new(pyramid, settings)?;
         Ok(Self { program, sampler: *sampler })
     }
 
     /// The answer to one request.
     #[must_use]
     pub fn sample(&self, request: &Request) -> Response {
-        let turns = |c: I12F20| f64::from(c.to_bits()) / coordinate::TURN;
         let at = [turns(request.u), turns(request.v)];
         let raw = |axis: usize| lod::raw(request.scale[axis], self.sampler.lod_source, self.sampler.log2);
-        let (texel, levels) = self.program.run(at, raw, |taps| match self.sampler.rounding {
+        let aim = || Aim { axes: request.axes.map(|axis| axis.map(turns)), pixel: request.pixel };
+        let (texel, levels) = self.program.run(at, raw, aim, |taps| match self.sampler.rounding {
             Rounding::Once => datapath::once(taps),
             Rounding::StagedRound => datapath::staged(taps, 0.5),
             Rounding::StagedTruncate => datapath::staged(taps, 0.0),
@@ -85,4 +97,21 @@ impl<'a> Reference<'a> {
         let reported = |level: f64| (level * lod::LEVEL) as u16;
         Response { texel, lod: [reported(levels[0]), reported(levels[1])] }
     }
+}
+
+/// A coordinate of a request.
+fn turns(c: I12F20) -> f64 {
+    f64::from(c.to_bits()) / coordinate::TURN
+}
+
+/// Refuses a sampler that no unit can be built for.
+fn checked(sampler: &Sampler) -> Result<()> {
+    sampler.check().map_err(|wrong| {
+        Error::setting(
+            wrong.key,
+            wrong.value,
+            "the unit has no wires for it",
+            format!("give {} to {}", wrong.range.0, wrong.range.1),
+        )
+    })
 }

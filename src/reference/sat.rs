@@ -1,0 +1,124 @@
+//! The summed-area table (docs/numerics.md, section 5.3; Crow 1984), without the table: every texel of the box is added up.
+//!
+//! Box sums are whole numbers in u64, so nothing here can wrap around, and no rule about table entries is needed.
+
+use texunit_hw::{AddressMode, Request, Response, Sampler};
+
+use super::{
+    checked,
+    coordinate::{anywhere, floor},
+    ideal::{FURTHEST, defined},
+    planes::Plane,
+    turns,
+};
+use crate::{error::Result, pyramid::Pyramid};
+
+/// The widest box there is: 4096 x 4096 texels of 255 stay below 2^32.
+const WIDEST: f64 = 4096.0;
+
+/// The float model of a summed-area table.
+///
+/// ```
+/// use texunit::{pyramid::{PlaneImage, Pyramid}, reference::sat::Sat};
+/// use texunit_hw::{I12F20, PyramidKind, Request, Sampler};
+/// let texels = [10, 20, 30, 41].map(|grey| [grey; 4]).to_vec();
+/// let pyramid =
+///     Pyramid { kind: PyramidKind::Mipmap, width: 4, height: 1, planes: vec![PlaneImage::top(4, 1, texels)] };
+/// let sat = Sat::new(&pyramid, &Sampler::default())?;
+/// // Half the texture around u = 0.75: texels 2 and 3, 71 / 2, half up.
+/// let half = [I12F20::from_num(0.5), I12F20::ZERO];
+/// let request = Request { axes: [half, [I12F20::ZERO; 2]], ..Request::at(I12F20::from_num(0.75), I12F20::ZERO) };
+/// assert_eq!(sat.sample(&request).texel, [36; 4]);
+/// # Ok::<(), texunit::error::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Sat<'a> {
+    plane: Plane<'a>,
+    address: [AddressMode; 2],
+}
+
+impl<'a> Sat<'a> {
+    /// A unit that reads level 0 of `pyramid` with the address modes of `sampler`.
+    ///
+    /// # Errors
+    /// A setting out of range, or a pyramid without a level 0.
+    pub fn new(pyramid: &'a Pyramid, sampler: &Sampler) -> Result<Self> {
+        checked(sampler)?;
+        Ok(Self { plane: Plane::find(pyramid, 0, 0)?, address: sampler.address })
+    }
+
+    /// The answer to one request.
+    #[must_use]
+    pub fn sample(&self, request: &Request) -> Response {
+        let at = [turns(request.u), turns(request.v)];
+        let axes = request.axes.map(|axis| axis.map(turns));
+        let boxes = [0, 1].map(|axis| {
+            let size = self.plane.size[axis];
+            let width = floor(extent(axes, axis) * size + 0.5).clamp(1.0, WIDEST);
+            let first = floor(at[axis] * size - width / 2.0 + 0.5);
+            (first, width)
+        });
+        let [columns, rows] = [0, 1].map(|axis| {
+            let (first, width) = boxes[axis];
+            self.shares((0..width as u32).map(|step| (first + f64::from(step), 1)), axis)
+        });
+        let sums = self.sums(&columns, &rows, |channel, times: u64| times * u64::from(channel));
+        let area = (boxes[0].1 * boxes[1].1) as u64;
+        Response { texel: sums.map(|sum| ((2 * sum + area) / (2 * area)) as u8), lod: [0; 2] }
+    }
+
+    /// The average over the box itself, with its edges between texels: red, green, blue, alpha, each 0.0 to 255.0. `at` is
+    /// normalised (u, v), `axes` the two steps (du, dv) of a pixel. A box is a texel wide at least (and so interpolates as
+    /// bilinear does), and 4096 at most.
+    #[must_use]
+    pub fn ideal(&self, at: [f64; 2], axes: [[f64; 2]; 2]) -> [f64; 4] {
+        let axes = axes.map(|axis| axis.map(|c| if c.is_nan() { 0.0 } else { c.clamp(-FURTHEST, FURTHEST) }));
+        let boxes = [0, 1].map(|axis| {
+            let size = self.plane.size[axis];
+            let width = (extent(axes, axis) * size).clamp(1.0, WIDEST);
+            (defined(at[axis], self.address[axis]) * size - width / 2.0, width)
+        });
+        let [columns, rows] = [0, 1].map(|axis| {
+            let (from, width) = boxes[axis];
+            let texels = (floor(from + width) - floor(from)) as u32;
+            let overlap = move |texel: f64| (from + width).min(texel + 1.0) - from.max(texel);
+            let indices = (0..=texels).map(move |step| floor(from) + f64::from(step));
+            self.shares(indices.map(|texel| (texel, overlap(texel) / width)), axis)
+        });
+        self.sums(&columns, &rows, |channel, share: f64| share * f64::from(channel))
+    }
+
+    /// How much of the box falls on each texel of an axis, by index; what falls outside is on none.
+    fn shares<T: Number>(&self, indices: impl Iterator<Item = (f64, T)>, axis: usize) -> Vec<T> {
+        let mut shares = vec![T::default(); self.plane.size[axis] as usize];
+        for (index, share) in indices {
+            if let Some(texel) = anywhere(index, self.plane.size[axis], self.address[axis]) {
+                shares[texel] += share;
+            }
+        }
+        shares
+    }
+
+    fn sums<T: Number>(&self, columns: &[T], rows: &[T], product: impl Fn(u8, T) -> T) -> [T; 4] {
+        let mut sums = [T::default(); 4];
+        for (j, &down) in rows.iter().enumerate().filter(|(_, share)| **share != T::default()) {
+            for (i, &across) in columns.iter().enumerate().filter(|(_, share)| **share != T::default()) {
+                let texel = self.plane.texel(Some(i), Some(j));
+                for (sum, channel) in sums.iter_mut().zip(texel) {
+                    *sum += product(channel, across * down);
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// The bounding box of the pixel's parallelogram along one axis, in turns.
+fn extent(axes: [[f64; 2]; 2], axis: usize) -> f64 {
+    axes[0][axis].abs() + axes[1][axis].abs()
+}
+
+/// A count of texels, or a part of one.
+trait Number: Copy + Default + PartialEq + std::ops::AddAssign + std::ops::Mul<Output = Self> {}
+impl Number for u64 {}
+impl Number for f64 {}
