@@ -59,6 +59,11 @@ pub struct Case {
 impl Case {
     /// Builds it for a filter.
     pub fn new(filter: Filter) -> Self {
+        Self::rows(filter, 0..HEIGHT)
+    }
+
+    /// The same, these rows only.
+    pub fn rows(filter: Filter, rows: std::ops::Range<usize>) -> Self {
         let mut state = 0x2545_F491u32;
         let texels = (0..SIDE * SIDE)
             .map(|_| {
@@ -79,7 +84,7 @@ impl Case {
             size: [SIDE; 2],
         };
         let scale = 1.0 / f64::from(SIDE);
-        let fragments: Vec<Fragment> = (0..HEIGHT)
+        let fragments: Vec<Fragment> = rows
             .flat_map(|y| (0..WIDTH).map(move |x| (x, y)))
             .map(|(x, y)| {
                 let ([u, v], [ux, uy, vx, vy]) = Perspective::FLOOR.at(x as f64 + 0.5, y as f64 + 0.5);

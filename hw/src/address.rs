@@ -87,7 +87,9 @@ impl AddressUnit {
     fn pair(&self, axis: &Axis, coordinate: i64) -> ([u64; 2], u32) {
         let pair = texel_pair(coordinate & axis.mask, axis.size, self.filter_bits);
         let entry = axis.start + (pair.lower.clamp(FIRST_INDEX, axis.last) - FIRST_INDEX) as usize;
-        ([self.tables[entry], self.tables[entry + 1]], pair.fraction)
+        // Both entries exist: a table is one longer than the last lower index.
+        let pair_of = self.tables[entry..].first_chunk::<2>();
+        (pair_of.copied().unwrap_or([OUTSIDE; 2]), pair.fraction)
     }
 
     /// A bilinear tap at a 12.20 coordinate of any width.

@@ -62,6 +62,24 @@ impl LineUse {
         (self.left + resident) << self.texel_shift
     }
 
+    /// Marks texels of one line, which is where `outcome` says.
+    #[inline(always)]
+    pub(super) fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], outcome: Outcome) {
+        let slot = outcome.slot() as usize;
+        if matches!(outcome, Outcome::Miss { evicted: Some(_), .. }) {
+            self.refill(slot);
+        }
+        let texels = addresses.map(|address| address >> self.texel_shift & self.texel_mask);
+        if self.words == 1 {
+            let marks = texels.iter().fold(0, |marks, texel| marks | 1 << texel);
+            self.marks.as_raw_mut_slice()[slot] |= marks;
+        } else {
+            for texel in texels {
+                self.marks.as_raw_mut_slice()[slot * self.words + (texel / 64) as usize] |= 1 << (texel % 64);
+            }
+        }
+    }
+
     #[inline(never)]
     fn refill(&mut self, slot: usize) {
         for word in &mut self.marks.as_raw_mut_slice()[slot * self.words..(slot + 1) * self.words] {
@@ -74,11 +92,6 @@ impl LineUse {
 impl Observer for LineUse {
     #[inline(always)]
     fn lookup(&mut self, address: u64, _: u64, outcome: Outcome) {
-        let slot = outcome.slot() as usize;
-        if matches!(outcome, Outcome::Miss { evicted: Some(_), .. }) {
-            self.refill(slot);
-        }
-        let texel = address >> self.texel_shift & self.texel_mask;
-        self.marks.as_raw_mut_slice()[slot * self.words + (texel / 64) as usize] |= 1 << (texel % 64);
+        self.run(&[address], outcome);
     }
 }

@@ -2,13 +2,11 @@
 
 use alloc::{vec, vec::Vec};
 
-use crate::{
-    address::is_outside,
-    unit::{Batch, Sink},
-};
+use crate::unit::{Batch, Sink};
 
 use super::{
     Cache, Counters, Geometry, GeometryError, LineUse, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
+    TapObserver,
 };
 
 /// Which of the dearer counters to keep. What is not kept costs nothing and reads 0.
@@ -149,17 +147,80 @@ impl TexelCache {
 
 impl Sink for TexelCache {
     /// Reads the taps of a batch, texel by texel, in order of issue.
+    #[inline]
     fn take(&mut self, batch: Batch<'_>) {
-        let channels_apart = batch.surface.reads_per_texel() > 1;
-        for tap in batch.taps {
-            let addresses = &tap.address[..batch.texels_per_tap];
-            if channels_apart || addresses.iter().any(|&address| is_outside(address)) {
-                Batch { taps: core::slice::from_ref(tap), ..batch }.for_each_read(|plane, address| {
-                    self.read(plane, address);
-                });
-            } else {
-                self.read_all(tap.plane.into(), addresses);
+        if batch.surface.reads_per_texel() > 1 {
+            return batch.for_each_read(|plane, address| {
+                self.read(plane, address);
+            });
+        }
+        let planes = batch.surface.planes.len();
+        if self.planes.len() < planes {
+            self.planes.resize(planes, PlaneCounters::default());
+        }
+        let planes = &mut self.planes[..];
+        match &mut self.meter {
+            Meter { classifier: Some(classifier), line_use: Some(line_use) } => {
+                let watch = &mut FullWatch { classifier, line_use, planes, plane: 0 };
+                self.cache.access_taps(batch.taps, batch.texels_per_tap, watch);
             }
+            meter => {
+                let watch = &mut TapWatch { meter, planes, plane: 0 };
+                self.cache.access_taps(batch.taps, batch.texels_per_tap, watch);
+            }
+        }
+    }
+}
+
+/// Every counter, without asking each time which are wanted.
+struct FullWatch<'a> {
+    classifier: &'a mut MissClassifier,
+    line_use: &'a mut LineUse,
+    planes: &'a mut [PlaneCounters],
+    plane: usize,
+}
+
+impl TapObserver for FullWatch<'_> {
+    #[inline(always)]
+    fn tap(&mut self, plane: u16) {
+        self.plane = plane.into();
+    }
+
+    #[inline(always)]
+    fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome) {
+        let row = &mut self.planes[self.plane];
+        row.lookups += TEXELS as u64;
+        self.line_use.run(addresses, outcome);
+        if let Some(class) = self.classifier.classify(line, outcome) {
+            row.classes.count(class);
+            row.misses += 1;
+        }
+    }
+}
+
+/// Some counters.
+struct TapWatch<'a> {
+    meter: &'a mut Meter,
+    planes: &'a mut [PlaneCounters],
+    plane: usize,
+}
+
+impl TapObserver for TapWatch<'_> {
+    #[inline(always)]
+    fn tap(&mut self, plane: u16) {
+        self.plane = plane.into();
+    }
+
+    #[inline(always)]
+    fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome) {
+        let row = &mut self.planes[self.plane];
+        row.lookups += TEXELS as u64;
+        row.misses += u64::from(!outcome.is_hit());
+        if let Some(line_use) = &mut self.meter.line_use {
+            line_use.run(addresses, outcome);
+        }
+        if let Some(class) = self.meter.classifier.as_mut().and_then(|classifier| classifier.classify(line, outcome)) {
+            row.classes.count(class);
         }
     }
 }
