@@ -22,6 +22,7 @@ use crate::{
     pyramid::{PlaneImage, Pyramid},
     reference::{
         Reference,
+        footprint::Footprint,
         ideal::{Detail, Ideal, IdealSampler},
     },
     scene::{Coverage, Fragment, GroundTruth, Scene},
@@ -270,7 +271,14 @@ impl<'s> Bench<'s> {
             .map(|((fragments, requests), responses)| {
                 let mut sum = Deviation::default();
                 for ((fragment, request), response) in fragments.iter().zip(requests).zip(responses) {
-                    let detail = Detail::SquaredRatio(request.scale.map(|bits| f64::from(f32::from_bits(bits))));
+                    let detail = if self.sampler.filter.is_anisotropic() {
+                        let size = [self.pyramid.width, self.pyramid.height];
+                        let pixel = [fragment.x, fragment.y];
+                        Detail::Footprint(Footprint::new(self.sampler.filter, fragment.gradient, size, pixel))
+                    } else {
+                        // The norm is the machine's to choose.
+                        Detail::SquaredRatio(request.scale.map(|bits| f64::from(f32::from_bits(bits))))
+                    };
                     let answer = ideal.sample([fragment.u, fragment.v], detail);
                     sum.add(response.texel.map(f64::from), answer.texel);
                 }

@@ -28,6 +28,7 @@ pub fn pyramid(
 }
 
 /// A texture one texel high with these grey columns; its smaller images are black.
+#[allow(dead_code, reason = "each test that includes this file is a crate of its own, and not all use it")]
 pub fn columns(grey: &[u8]) -> Pyramid {
     pyramid(
         PyramidKind::Mipmap,
