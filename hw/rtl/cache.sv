@@ -27,9 +27,11 @@ module cache #(
   localparam int TagBits = LineBits - SetBits;
   localparam int SlotBits = $clog2(Sets * Ways);
 
-  logic [TagBits-1:0] tag_q   [Sets*Ways];
-  logic [WayBits-1:0] rank_q  [Sets*Ways];
-  logic [Sets*Ways-1:0] valid_q;
+  logic [TagBits-1:0]      tag_q  [Sets*Ways];
+  logic [WayBits*Ways-1:0] rank_q [Sets];
+  logic [Sets*Ways-1:0]    valid_q;
+  // Sets whose ranks were written since the last flush; the others are in their first order.
+  logic [Sets-1:0]         used_q;
 
   logic [TagBits-1:0] tag;
   assign set_o = line_i[SetBits-1:0];
@@ -41,10 +43,11 @@ module cache #(
 
   // The ways of the set, side by side.
   logic [Ways-1:0]         match, oldest;
-  logic [WayBits*Ways-1:0] rank, rank_next;
+  logic [WayBits*Ways-1:0] rank, rank_first, rank_next;
+  assign rank = used_q[set_o] ? rank_q[set_o] : rank_first;
   for (genvar way = 0; way < Ways; way++) begin : gen_way
     assign match[way] = valid_q[first | SlotBits'(way)] && tag_q[first | SlotBits'(way)] == tag;
-    assign rank[way*WayBits +: WayBits] = rank_q[first | SlotBits'(way)];
+    assign rank_first[way*WayBits +: WayBits] = WayBits'(Ways - 1 - way);
     assign oldest[way] = rank[way*WayBits +: WayBits] == WayBits'(Ways - 1);
     assign rank_next[way*WayBits +: WayBits] =
         way_o == WayBits'(way) ? '0
@@ -71,20 +74,21 @@ module cache #(
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       valid_q <= '0;
-      for (int line = 0; line < Sets * Ways; line++) rank_q[line] <= WayBits'(Ways - 1 - line % Ways);
+      used_q  <= '0;
     end else if (flush_i) begin
       valid_q <= '0;
-      for (int line = 0; line < Sets * Ways; line++) rank_q[line] <= WayBits'(Ways - 1 - line % Ways);
+      used_q  <= '0;
     end else if (update_i) begin
-      for (int way = 0; way < Ways; way++) begin
-        rank_q[first | SlotBits'(way)] <= rank_next[way*WayBits +: WayBits];
-        if (chosen[way]) valid_q[first | SlotBits'(way)] <= 1'b1;
-      end
+      valid_q[first | SlotBits'(way_o)] <= 1'b1;
+      used_q[set_o]                     <= 1'b1;
     end
   end
 
-  // No reset: a tag counts only where valid_q says so.
+  // No reset: tags and ranks count only where valid_q and used_q say so.
   always_ff @(posedge clk_i) begin
-    if (update_i) tag_q[first | SlotBits'(way_o)] <= tag;
+    if (update_i) begin
+      tag_q[first | SlotBits'(way_o)] <= tag;
+      rank_q[set_o]                   <= rank_next;
+    end
   end
 endmodule : cache
