@@ -6,16 +6,18 @@
 mod clocks;
 mod lines;
 mod package;
+mod tools;
 mod trace;
 mod vectors;
 mod whole;
 
-use std::{env, fs, path::PathBuf, process::Command};
+use std::{env, fs, path::PathBuf};
 
-use texunit_hw::{Rounding, Sampler, datapath::lerp, lod::raw_level};
+use texunit_hw::{Log2, Rounding, Sampler, lod::raw_level};
 
 use clocks::Machine;
 use package::Profile;
+use tools::{make, program};
 use vectors::{LOG2S, ROUNDINGS};
 
 fn repository() -> PathBuf {
@@ -94,4 +96,119 @@ fn the_golden_traces_are_those_of_the_rust_units() {
     for (name, widths, sets, ways, textures, requests) in whole_units() {
         write(name, whole::unit(&widths, sets, ways, textures, requests, machine()).0);
     }
+}
+
+/// Every trace must have been replayed to its end: a PASS line each, not just an exit status.
+fn all_pass(output: &str) {
+    for name in make("names").split_whitespace() {
+        let passed = output.lines().any(|line| {
+            let mut words = line.split_whitespace();
+            words.next() == Some(name) && words.next() == Some("PASS")
+        });
+        assert!(passed, "no PASS line for {name} in\n{output}");
+    }
+}
+
+#[test]
+#[cfg_attr(not(verilator), ignore = "verilator not installed: apt-get install verilator")]
+fn every_unit_is_lint_clean_for_every_option() {
+    make("lint");
+}
+
+#[test]
+#[cfg_attr(not(verilator), ignore = "verilator not installed: apt-get install verilator")]
+fn verilator_replays_every_golden_trace_without_a_difference() {
+    all_pass(&make("verilator"));
+}
+
+#[test]
+#[cfg_attr(not(iverilog), ignore = "iverilog not installed: apt-get install iverilog")]
+fn icarus_replays_every_golden_trace_without_a_difference() {
+    all_pass(&make("icarus"));
+}
+
+#[test]
+#[cfg_attr(not(verilator), ignore = "verilator not installed: apt-get install verilator")]
+fn the_whole_unit_takes_the_clocks_of_its_recurrence() {
+    make("verilator-unit");
+    make("verilator-unit-small");
+    for latency in [1, 7, LATENCY, 300] {
+        for (name, widths, sets, ways, textures, requests) in whole_units() {
+            let machine = Machine { latency, ..machine() };
+            let wanted = whole::unit(&widths, sets, ways, textures, requests, machine).1.0;
+            let output =
+                program(&format!("{name}/tb"), &[&format!("traces/rtl/{name}.trace"), "--clocks", &latency.to_string()]);
+            let clocks: Vec<u64> = output
+                .lines()
+                .filter_map(|line| line.strip_prefix("clocks ")?.split_once(' ')?.1.parse().ok())
+                .collect();
+            assert_eq!(clocks, wanted, "{name} with a memory latency of {latency}");
+        }
+    }
+}
+
+/// FNV-1a over 64-bit values.
+fn digest(values: impl Iterator<Item = u64>) -> u64 {
+    values.fold(0xcbf2_9ce4_8422_2325, |digest, value| (digest ^ value).wrapping_mul(0x100_0000_01b3))
+}
+
+/// The answers of one block of 2^24 ratios, two to a value as the testbench has them.
+fn lod_block(block: u32, log2: Log2) -> u64 {
+    let level = |input: u32| u64::from(raw_level(block << 24 | input, log2).cast_unsigned() & 0xffff);
+    digest((0..1 << 23).map(|pair| level(2 * pair + 1) << 16 | level(2 * pair)))
+}
+
+/// Both sides of the sweep of some blocks, the RTL's in processes of their own.
+fn sweep_lod(log2: Log2, blocks: std::ops::RangeInclusive<u32>) {
+    let option = LOG2S.iter().position(|other| *other == log2).expect("a rung");
+    let halves = [(*blocks.start(), (blocks.start() + blocks.end()) / 2), ((blocks.start() + blocks.end()) / 2 + 1, *blocks.end())];
+    std::thread::scope(|scope| {
+        for (first, last) in halves {
+            scope.spawn(move || {
+                let path = format!("lod_sweep-{option}/sweep");
+                let output = program(&path, &[&first.to_string(), &last.to_string()]);
+                let blocks: Vec<_> = output.lines().collect();
+                assert_eq!(blocks.len() as u32, last - first + 1, "a line a block");
+                for (block, found) in (first..=last).zip(blocks) {
+                    assert_eq!(found, format!("{block:02x} {:016x}", lod_block(block, log2)), "{log2:?}, ratios {block:02x}000000 on");
+                }
+            });
+        }
+    });
+}
+
+#[test]
+#[cfg_attr(not(verilator), ignore = "verilator not installed: apt-get install verilator")]
+fn the_lod_unit_answers_ratios_around_one_like_the_rust_unit() {
+    make("sweep");
+    // Whole exponents on both sides of 1.0, and infinity and NaN; the next test takes all.
+    for log2 in LOG2S {
+        sweep_lod(log2, 0x3f..=0x40);
+        sweep_lod(log2, 0x7f..=0x80);
+    }
+}
+
+#[test]
+#[ignore = "all 2^32 ratios: cargo test --release -p texunit-hw --test rtl -- --ignored all_ratios"]
+fn the_lod_unit_answers_all_ratios_like_the_rust_unit() {
+    make("sweep");
+    sweep_lod(Log2::Exact, 0..=255);
+}
+
+#[test]
+#[cfg_attr(not(verilator), ignore = "verilator not installed: apt-get install verilator")]
+fn the_lerp_answers_all_inputs_like_the_rust_unit() {
+    make("sweep");
+    for (option, rounding) in ROUNDINGS.into_iter().enumerate() {
+        let wanted = digest((0..1 << 24).map(|input| vectors::lerp_of(input >> 16, input >> 8 & 255, input & 255, rounding)));
+        assert_eq!(program(&format!("lerp_sweep-{option}/sweep"), &[]).trim(), format!("{wanted:016x}"), "{rounding:?}");
+    }
+}
+
+#[test]
+#[cfg_attr(not(yosys), ignore = "yosys not installed: apt-get install yosys")]
+fn yosys_proves_what_the_units_promise() {
+    let output = make("prove");
+    let proved = output.lines().filter(|line| line.starts_with("PASS ")).count();
+    assert!(proved >= 12, "{proved} properties proved\n{output}");
 }

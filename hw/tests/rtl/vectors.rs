@@ -416,10 +416,10 @@ pub fn memory(slots: usize) -> Trace {
     trace
 }
 
-/// What lerp.sv answers: exact, or rounded to 8 bits.
+/// What lerp.sv answers: exact, eight bits longer, or rounded to 8 bits.
 pub fn lerp_of(a: u64, b: u64, fraction: u64, rounding: Rounding) -> u64 {
     match rounding {
-        Rounding::Once => lerp(a, b, fraction, 8, 0) << 8 | (a * (256 - fraction) + b * fraction) & 255,
+        Rounding::Once => lerp(a << 8, b << 8, fraction, 8, 0),
         Rounding::StagedRound => lerp(a, b, fraction, 8, 128),
         Rounding::StagedTruncate => lerp(a, b, fraction, 8, 0),
     }
