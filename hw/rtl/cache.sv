@@ -91,4 +91,35 @@ module cache #(
       rank_q[set_o]                   <= rank_next;
     end
   end
+
+`ifdef FORMAL
+  // Proved by induction (hw/formal/run), for every set and clock.
+  initial begin
+    valid_q = '0;
+    used_q  = '0;
+  end
+  for (genvar s = 0; s < Sets; s++) begin : gen_formal_set
+    wire [WayBits*Ways-1:0] ranks = used_q[s] ? rank_q[s] : rank_first;
+    for (genvar a = 0; a < Ways; a++) begin : gen_formal_a
+      for (genvar b = 0; b < Ways; b++) begin : gen_formal_b
+        if (a < b) begin : gen_formal_pair
+          always_comb begin
+            // The order is a permutation: ranks have exactly as many values as there are ways.
+            assert (ranks[a*WayBits +: WayBits] != ranks[b*WayBits +: WayBits]);
+            // No line is held twice.
+            assert (!(valid_q[s*Ways+a] && valid_q[s*Ways+b]) || tag_q[s*Ways+a] != tag_q[s*Ways+b]);
+          end
+        end
+        // Empty ways are older than all others, so they are filled first.
+        always_comb assert (valid_q[s*Ways+a] || !valid_q[s*Ways+b]
+                            || ranks[a*WayBits +: WayBits] > ranks[b*WayBits +: WayBits]);
+      end
+    end
+  end
+  // One way is chosen, and way_o is its number.
+  always_comb begin
+    assert ((chosen & (chosen - 1'b1)) == '0 && chosen != '0);
+    assert (chosen[way_o]);
+  end
+`endif
 endmodule : cache

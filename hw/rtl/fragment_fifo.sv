@@ -51,4 +51,44 @@ module fragment_fifo #(
   always_ff @(posedge clk_i) begin
     if (write) entry_q[write_q[Pointer-1:0]] <= data_i;
   end
+
+`ifdef FORMAL
+  // Proved by induction (hw/formal/run): a count kept apart agrees with the pointers and never leaves its range,
+  // and one entry, any, comes out as it went in, after as many others as were there before it.
+  logic [Pointer+1:0] count_q = '0;
+  logic               watched_q = 1'b0;
+  logic [Width-1:0]   value_q;
+  logic [Pointer+1:0] ahead_q;
+  (* anyseq *) logic  watch;
+  initial begin
+    write_q = '0;
+    read_q  = '0;
+  end
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      count_q   <= '0;
+      watched_q <= 1'b0;
+    end else begin
+      count_q <= count_q + (Pointer + 2)'(write) - (Pointer + 2)'(read);
+      if (!watched_q && watch && write) begin
+        watched_q <= 1'b1;
+        value_q   <= data_i;
+        ahead_q   <= count_q - (Pointer + 2)'(read);
+      end else if (watched_q && read) begin
+        watched_q <= ahead_q != '0;
+        ahead_q   <= ahead_q - 1'b1;
+      end
+    end
+  end
+  always_comb begin
+    assert (count_q == (Pointer + 2)'(held_o));
+    assert (count_q <= Depth);
+    assert (!(write && count_q == Depth) && !(read && count_q == '0));
+    if (watched_q) begin
+      assert (ahead_q < count_q);
+      assert (entry_q[read_q[Pointer-1:0] + ahead_q[Pointer-1:0]] == value_q);
+    end
+    if (watched_q && ahead_q == '0) assert (valid_o && data_o == value_q);
+  end
+`endif
 endmodule : fragment_fifo

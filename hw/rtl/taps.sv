@@ -116,4 +116,30 @@ module taps (
       end
     end
   end
+
+`ifdef FORMAL
+  // Proved by induction (hw/formal/run): the weights of a request sum to 256, and no plane lies beyond the table.
+  logic [8:0] sum_q = '0;
+  logic [2:0] filter_q;
+  initial begin
+    busy_q   = 1'b0;
+    tap_q    = 1'b0;
+    corner_q = 2'd0;
+  end
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) sum_q <= '0;
+    else if (busy_q && ready_i && tap_end_o) sum_q <= request_end_o ? '0 : sum_q + weight_o;
+  end
+  always_ff @(posedge clk_i) filter_q <= filter_i;
+  always_comb begin
+    // The sampler is held while a request is inside; levels are within the chain.
+    if (busy_q) assume (filter_i == filter_q);
+    assume (fine <= last_i && whole_q <= last_i && level_u_q <= last_u_i && last_u_i <= last_i && level_v_q <= last_i);
+    assume (last_i <= tex_pkg::LevelBits'(tex_pkg::MaxLog2Side));
+    assert (tap_q || sum_q == '0);
+    assert (!tap_q || busy_q && two_taps && sum_q + weight_o == 9'd256);
+    if (busy_q && request_end_o) assert (sum_q + weight_o == 9'd256);
+    if (busy_q) assert (plane_o < tex_pkg::PlaneBits'(tex_pkg::Planes));
+  end
+`endif
 endmodule : taps
