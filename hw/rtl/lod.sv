@@ -71,15 +71,14 @@ module lod #(
   assign above_low = below_low ? {20'd0, min_lod_i} : level_sum;
   assign clamped_o = above_low > 34'(high) ? high : above_low[Wide-1:0];
 
-  // Keep LodBits of the fraction, half up, and not beyond the chain.
+  // Keep LodBits of the fraction, half up. It cannot pass the end of the chain, a whole level.
   if (LodBits == 8) begin : gen_full_fraction
     assign fractional_o = clamped_o;
   end else begin : gen_short_fraction
     localparam int Dropped = 8 - LodBits;
-    logic [Wide:0] rounded, kept;
-    assign rounded      = {1'b0, clamped_o} + (Wide + 1)'(1 << (Dropped - 1));
-    assign kept         = {rounded[Wide:Dropped], Dropped'(0)};
-    assign fractional_o = kept > {1'b0, chain_end} ? chain_end : kept[Wide-1:0];
+    logic [Wide-1:0] rounded;
+    assign rounded      = clamped_o + Wide'(1 << (Dropped - 1));
+    assign fractional_o = {rounded[Wide-1:Dropped], Dropped'(0)};
     logic [Dropped-1:0] unused_rounded;
     assign unused_rounded = rounded[Dropped-1:0];
   end

@@ -26,6 +26,8 @@ int main(int argc, char** argv) {
     taken = unit.valid_i && unit.ready_o;
     if (wanted.empty() && unit.valid_o) tb::fail("taps: a texel that nobody asked for");
     if (!wanted.empty() && !unit.valid_o) tb::fail("taps: a texel is late");
+    // The next request enters when nobody is inside, or with the last texel of the one that is.
+    if (unit.ready_o != (!unit.valid_o || (unit.ready_i && unit.request_end_o))) tb::fail("taps: ready_o");
     if (unit.valid_o && unit.ready_i) {
       Texel texel = wanted.front();
       wanted.pop_front();

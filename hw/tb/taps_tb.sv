@@ -30,6 +30,8 @@ module tb;
     #4;
     taken = valid_in && ready_out;
     expect_value(busy, valid_out, "valid_o");
+    // The next request enters when nobody is inside, or with the last texel of the one that is.
+    expect_value(!valid_out || (ready_in && request_end), ready_out, "ready_o");
     if (valid_out && ready_in) begin
       expect_value(plane_inside[tap], plane, "plane");
       expect_value(weight_inside[tap], weight, "weight");

@@ -63,6 +63,9 @@ int main(int argc, char** argv) {
       unit.memory_response_data_i[texel] = there ? word_at(memory.lines.front().number * 16 + texel) : 0xdeadbeef;
     tb::settle(unit);
     if (unit.memory_response_ready_o && there) memory.lines.pop_front();
+    // A line is asked for when a look-up misses, and at no other time.
+    bool asked = unit.memory_request_valid_o && unit.memory_request_ready_i;
+    if (asked != (unit.access_valid_o && !unit.access_hit_o)) tb::fail("unit: a line asked for without a miss");
     if (unit.memory_request_valid_o && unit.memory_request_ready_i) {
       uint64_t delay = timing ? memory.latency : 1 + memory.chance(8) * 20;
       memory.lines.push_back({now + delay, static_cast<uint32_t>(unit.memory_request_line_o)});

@@ -5,6 +5,7 @@ module tb;
   parameter int FilterBits = tex_pkg::FilterBits;
   parameter int LodBits = tex_pkg::LodBits;
   parameter int Rounding = tex_pkg::Rounding;
+  parameter int FragmentFifoDepth = tex_pkg::FragmentFifoDepth;
   localparam int Width = 3 * 4 + 4 * 32 + 32 + 2 * 16 + 4 + 8;
   `include "trace.svh"
   `include "clock.svh"
@@ -18,7 +19,8 @@ module tb;
   wire  [31:0]  texel, requests, lookups, misses;
   wire  [15:0]  lod_u, lod_v;
   wire  [21:0]  memory_line;
-  unit #(.Sets(Sets), .Ways(Ways), .FilterBits(FilterBits), .LodBits(LodBits), .Rounding(Rounding)) u_unit (
+  unit #(.Sets(Sets), .Ways(Ways), .FilterBits(FilterBits), .LodBits(LodBits), .Rounding(Rounding),
+         .FragmentFifoDepth(FragmentFifoDepth)) u_unit (
     .clk_i(clk), .rst_ni(rst_n), .bind_valid_i(bind_valid), .bind_ready_o(bind_ready), .filter_i(u[30:28]),
     .mode_u_i(u[25:24]), .mode_v_i(u[21:20]), .explicit_i(u[16]), .level_rounding_i(u[13:12]), .tiled_i(u[8]),
     .log2_width_i(u[7:4]), .log2_height_i(u[3:0]), .bias_i(v[13:0]), .min_lod_i(scale_u[29:16]),
@@ -60,6 +62,8 @@ module tb;
       asked[asked_written % 256] = memory_line;
       asked_written = asked_written + 1;
     end
+    // A line is asked for when a look-up misses, and at no other time.
+    expect_value(access_valid && !access_hit, memory_valid && memory_ready, "line asked for");
     if (access_valid !== 1'b0) begin
       expect_value(1, accesses_read != accesses_written, "look-up asked for");
       expect_value(access_wanted[accesses_read % 1024], access_hit, "hit");

@@ -6,7 +6,7 @@
 #[derive(Clone, Copy)]
 pub struct Machine {
     /// Entries of the fragment FIFO.
-    pub fifo: usize,
+    pub fragment_fifo: usize,
     /// Clocks from a line's request to its being there.
     pub latency: u64,
 }
@@ -47,7 +47,7 @@ impl Clocks {
         // A register is free in the clock in which its content leaves.
         let tap = offered.max(next(self.tap, any)).max(self.plane);
         let plane = (tap + 1).max(next(self.plane, any)).max(self.tag);
-        let room = self.bank.len().checked_sub(self.machine.fifo).map_or(0, |index| self.bank[index] + 1);
+        let room = self.bank.len().checked_sub(self.machine.fragment_fifo).map_or(0, |index| self.bank[index] + 1);
         let tag = (plane + 1).max(next(self.tag, any)).max(room);
         let line = if miss { tag + self.machine.latency } else { 0 };
         let bank = (tag + 1).max(self.bank.last().map_or(0, |last| last + 1)).max(line);

@@ -48,18 +48,38 @@ fn profile() -> Profile {
 /// Latency of the memory in the testbenches when they count clocks.
 const LATENCY: u64 = 40;
 
-fn machine() -> Machine {
-    Machine { fifo: profile().fragment_fifo as usize, latency: LATENCY }
+/// A whole-unit trace and the parameters it is replayed with (those of hw/Makefile).
+struct WholeUnit {
+    name: &'static str,
+    widths: Sampler,
+    sets: u64,
+    ways: usize,
+    fragment_fifo: usize,
+    textures: usize,
 }
 
-/// The whole-unit traces: name, widths, sets, ways, textures and requests of each.
-fn whole_units() -> Vec<(&'static str, Sampler, u64, usize, usize, usize)> {
-    let profile = profile();
-    let (sets, ways) = (profile.sets, profile.ways as usize);
+impl WholeUnit {
+    fn trace(&self, latency: u64) -> (trace::Trace, Vec<u64>) {
+        let machine = Machine { fragment_fifo: self.fragment_fifo, latency };
+        whole::unit(&self.widths, self.sets, self.ways, self.textures, machine)
+    }
+}
+
+/// The default machine, and one so small that its FIFO fills and its lines are thrown out.
+fn whole_units() -> [WholeUnit; 2] {
+    let Profile { sets, ways, fragment_fifo, .. } = profile();
     let widths = Sampler::default();
-    vec![
-        ("unit", widths, sets, ways, 30, 40),
-        ("unit-small", Sampler { filter_bits: 6, lod_bits: 4, rounding: Rounding::StagedRound, ..widths }, 4, 2, 20, 40),
+    let small = Sampler { filter_bits: 6, lod_bits: 4, rounding: Rounding::StagedRound, ..widths };
+    [
+        WholeUnit {
+            name: "unit",
+            widths,
+            sets,
+            ways: ways as usize,
+            fragment_fifo: fragment_fifo as usize,
+            textures: 30,
+        },
+        WholeUnit { name: "unit-small", widths: small, sets: 4, ways: 2, fragment_fifo: 4, textures: 20 },
     ]
 }
 
@@ -88,13 +108,14 @@ fn the_golden_traces_are_those_of_the_rust_units() {
     for (rounding, name) in ROUNDINGS.into_iter().zip(["lerp", "lerp-staged-round", "lerp-staged-truncate"]) {
         write(name, vectors::lerps(rounding));
     }
-    for (rounding, name) in ROUNDINGS.into_iter().zip(["datapath", "datapath-staged-round", "datapath-staged-truncate"]) {
+    for (rounding, name) in ROUNDINGS.into_iter().zip(["datapath", "datapath-staged-round", "datapath-staged-truncate"])
+    {
         write(name, vectors::datapath(8, rounding));
     }
     write("datapath-bits4", vectors::datapath(4, Rounding::Once));
     write("datapath-bits6", vectors::datapath(6, Rounding::Once));
-    for (name, widths, sets, ways, textures, requests) in whole_units() {
-        write(name, whole::unit(&widths, sets, ways, textures, requests, machine()).0);
+    for unit in whole_units() {
+        write(unit.name, unit.trace(LATENCY).0);
     }
 }
 
@@ -133,11 +154,12 @@ fn the_whole_unit_takes_the_clocks_of_its_recurrence() {
     make("verilator-unit");
     make("verilator-unit-small");
     for latency in [1, 7, LATENCY, 300] {
-        for (name, widths, sets, ways, textures, requests) in whole_units() {
-            let machine = Machine { latency, ..machine() };
-            let wanted = whole::unit(&widths, sets, ways, textures, requests, machine).1.0;
-            let output =
-                program(&format!("{name}/tb"), &[&format!("traces/rtl/{name}.trace"), "--clocks", &latency.to_string()]);
+        for unit in whole_units() {
+            let (name, wanted) = (unit.name, unit.trace(latency).1);
+            let output = program(
+                &format!("{name}/tb"),
+                &[&format!("traces/rtl/{name}.trace"), "--clocks", &latency.to_string()],
+            );
             let clocks: Vec<u64> = output
                 .lines()
                 .filter_map(|line| line.strip_prefix("clocks ")?.split_once(' ')?.1.parse().ok())
@@ -161,7 +183,10 @@ fn lod_block(block: u32, log2: Log2) -> u64 {
 /// Both sides of the sweep of some blocks, the RTL's in processes of their own.
 fn sweep_lod(log2: Log2, blocks: std::ops::RangeInclusive<u32>) {
     let option = LOG2S.iter().position(|other| *other == log2).expect("a rung");
-    let halves = [(*blocks.start(), (blocks.start() + blocks.end()) / 2), ((blocks.start() + blocks.end()) / 2 + 1, *blocks.end())];
+    let halves = [
+        (*blocks.start(), (blocks.start() + blocks.end()) / 2),
+        ((blocks.start() + blocks.end()) / 2 + 1, *blocks.end()),
+    ];
     std::thread::scope(|scope| {
         for (first, last) in halves {
             scope.spawn(move || {
@@ -170,7 +195,11 @@ fn sweep_lod(log2: Log2, blocks: std::ops::RangeInclusive<u32>) {
                 let blocks: Vec<_> = output.lines().collect();
                 assert_eq!(blocks.len() as u32, last - first + 1, "a line a block");
                 for (block, found) in (first..=last).zip(blocks) {
-                    assert_eq!(found, format!("{block:02x} {:016x}", lod_block(block, log2)), "{log2:?}, ratios {block:02x}000000 on");
+                    assert_eq!(
+                        found,
+                        format!("{block:02x} {:016x}", lod_block(block, log2)),
+                        "{log2:?}, ratios {block:02x}000000 on"
+                    );
                 }
             });
         }
@@ -200,8 +229,13 @@ fn the_lod_unit_answers_all_ratios_like_the_rust_unit() {
 fn the_lerp_answers_all_inputs_like_the_rust_unit() {
     make("sweep");
     for (option, rounding) in ROUNDINGS.into_iter().enumerate() {
-        let wanted = digest((0..1 << 24).map(|input| vectors::lerp_of(input >> 16, input >> 8 & 255, input & 255, rounding)));
-        assert_eq!(program(&format!("lerp_sweep-{option}/sweep"), &[]).trim(), format!("{wanted:016x}"), "{rounding:?}");
+        let wanted =
+            digest((0..1 << 24).map(|input| vectors::lerp_of(input >> 16, input >> 8 & 255, input & 255, rounding)));
+        assert_eq!(
+            program(&format!("lerp_sweep-{option}/sweep"), &[]).trim(),
+            format!("{wanted:016x}"),
+            "{rounding:?}"
+        );
     }
 }
 

@@ -50,7 +50,10 @@ pub fn package(profile: &Profile) -> String {
     let bits_for = |largest: u32| 32 - largest.leading_zeros();
     let integer = |name: &str, value: u64| format!("  localparam int {name} = {value};\n");
     let choices = |bits: u32, names: &[&str]| -> String {
-        (0..).zip(names).map(|(value, name)| format!("  localparam logic [{}:0] {name} = {bits}'d{value};\n", bits - 1)).collect()
+        (0..)
+            .zip(names)
+            .map(|(value, name)| format!("  localparam logic [{}:0] {name} = {bits}'d{value};\n", bits - 1))
+            .collect()
     };
     // A dipmap of the largest texture is just under three times its base: 4 N^2 bytes, times four for the next power of two.
     let address_bits = 2 * MAX_LOG2_SIDE + 2 + 2;

@@ -40,8 +40,11 @@ impl fmt::Display for Trace {
         writeln!(f, "// fields {}", fields.join(" "))?;
         writeln!(f, "// count  {}", self.lines.len())?;
         for line in &self.lines {
-            let digits: Vec<_> =
-                line.iter().zip(&self.fields).map(|(value, (_, bits))| format!("{value:0width$x}", width = bits / 4)).collect();
+            let digits: Vec<_> = line
+                .iter()
+                .zip(&self.fields)
+                .map(|(value, (_, bits))| format!("{value:0width$x}", width = bits / 4))
+                .collect();
             writeln!(f, "{}", digits.join("_"))?;
         }
         Ok(())

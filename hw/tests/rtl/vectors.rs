@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 
 use texunit_hw::{
-    AddressMode, Filter, Format, I12F20, Layout, LevelRounding, Log2, LodSource, PyramidKind, Request, Response, Rounding,
-    Sampler, Surface, Unit,
+    AddressMode, Filter, Format, I12F20, Layout, LevelRounding, LodSource, Log2, PyramidKind, Request, Response,
+    Rounding, Sampler, Surface, Unit,
     address::{AddressUnit, is_outside},
     coordinate::{period_mask, resolve, texel_pair, texel_under},
     datapath::lerp,
@@ -105,7 +105,10 @@ pub fn lod(log2: Log2, lod_bits: u8) -> Trace {
         let scale = if explicit { scale % 0x1400 } else { scale };
         let bias = random.below(8193) as i16 - 4096;
         let bias = if random.once_in(2) { bias / 16 } else { bias };
-        let [min_lod, max_lod] = [random.pick(&[0, random.0 as i32 & 0xfff, 8192]), random.pick(&[0, (random.0 >> 20) as i32 & 0xfff, 8192])];
+        let [min_lod, max_lod] = [
+            random.pick(&[0, random.0 as i32 & 0xfff, 8192]),
+            random.pick(&[0, (random.0 >> 20) as i32 & 0xfff, 8192]),
+        ];
         add(scale, explicit, bias, min_lod, max_lod, random.below(13) as u8, random.pick(&LEVEL_ROUNDINGS));
     }
     trace
@@ -114,7 +117,18 @@ pub fn lod(log2: Log2, lod_bits: u8) -> Trace {
 /// Coordinates worth trying on an axis of `size` texels.
 fn coordinate(random: &mut Random, size: u32) -> i32 {
     let texel = (1 << 20) / i64::from(size);
-    let whole = random.pick(&[-(1i64 << 31), -(2 << 20), -(1 << 20), -texel, 0, texel, 1 << 19, 1 << 20, 2 << 20, (1 << 31) - 1]);
+    let whole = random.pick(&[
+        -(1i64 << 31),
+        -(2 << 20),
+        -(1 << 20),
+        -texel,
+        0,
+        texel,
+        1 << 19,
+        1 << 20,
+        2 << 20,
+        (1 << 31) - 1,
+    ]);
     let near = random.pick(&[-1, 0, 1, texel / 2, -texel / 2, texel / 2 - 1, -texel / 2 - 1]);
     match random.below(3) {
         0 => random.next() as i32,
@@ -128,7 +142,16 @@ pub fn coordinates(filter_bits: u8) -> Trace {
     let mut trace = Trace::new(
         "coordinate",
         &["index is 0 and not compared where outside"],
-        &[("coordinate", 32), ("log2_size", 4), ("mode", 4), ("point", 4), ("upper", 4), ("index", 16), ("outside", 4), ("fraction", 12)],
+        &[
+            ("coordinate", 32),
+            ("log2_size", 4),
+            ("mode", 4),
+            ("point", 4),
+            ("upper", 4),
+            ("index", 16),
+            ("outside", 4),
+            ("fraction", 12),
+        ],
     );
     let mut random = Random(3);
     for log2_size in 0..=12u32 {
@@ -140,7 +163,8 @@ pub fn coordinates(filter_bits: u8) -> Trace {
                 let bits = coordinate(&mut random, size);
                 let reduced = i64::from(bits) & period_mask(mode);
                 let pair = texel_pair(reduced, size, filter_bits.into());
-                let (index, fraction) = if point { (texel_under(reduced, size), 0) } else { (pair.lower, pair.fraction) };
+                let (index, fraction) =
+                    if point { (texel_under(reduced, size), 0) } else { (pair.lower, pair.fraction) };
                 let index = resolve(index + i64::from(upper), size, mode);
                 trace.push([
                     bits.cast_unsigned().into(),
@@ -175,12 +199,24 @@ pub fn addresses() -> Trace {
         &["address is 0 and not compared where outside"],
         &[("u", 32), ("v", 32), ("base", 32), ("log2_width", 4), ("log2_height", 4), ("mode_u", 4), ("mode_v", 4)]
             .into_iter()
-            .chain([("tiled", 4), ("point", 4), ("corner", 4), ("address", 32), ("outside", 4), ("fraction_u", 12), ("fraction_v", 12)])
+            .chain([
+                ("tiled", 4),
+                ("point", 4),
+                ("corner", 4),
+                ("address", 32),
+                ("outside", 4),
+                ("fraction_u", 12),
+                ("fraction_v", 12),
+            ])
             .collect::<Vec<_>>(),
     );
     let mut random = Random(4);
     for turn in 0..60 {
-        let log2 = if turn < 9 { [[12, 12], [0, 0], [12, 0], [0, 12], [1, 1], [2, 2], [3, 1], [1, 3], [2, 7]][turn] } else { [0; 2].map(|_| random.below(11) as u32) };
+        let log2 = if turn < 9 {
+            [[12, 12], [0, 0], [12, 0], [0, 12], [1, 1], [2, 2], [3, 1], [1, 3], [2, 7]][turn]
+        } else {
+            [0; 2].map(|_| random.below(11) as u32)
+        };
         let tiled = turn % 3 != 0;
         let kind = if turn % 2 == 0 { PyramidKind::Mipmap } else { PyramidKind::Dipmap };
         let surface = surface_of(kind, tiled, log2);
@@ -191,7 +227,11 @@ pub fn addresses() -> Trace {
             let plane = &surface.planes[index];
             let [u, v] = [0, 1].map(|axis| coordinate(&mut random, plane.size()[axis]));
             let point = random.once_in(4);
-            let footprint = if point { unit.point(index, u.into(), v.into(), 1) } else { unit.bilinear(index, u.into(), v.into(), 1) };
+            let footprint = if point {
+                unit.point(index, u.into(), v.into(), 1)
+            } else {
+                unit.bilinear(index, u.into(), v.into(), 1)
+            };
             let corner = if point { 0 } else { random.below(4) };
             let address = footprint.address[corner as usize];
             let outside = is_outside(address);
@@ -231,7 +271,11 @@ pub fn surfaces() -> Trace {
     );
     let mut random = Random(5);
     for turn in 0..40 {
-        let log2 = if turn < 5 { [[12, 12], [0, 0], [12, 0], [0, 12], [1, 2]][turn] } else { [0; 2].map(|_| random.below(13) as u32) };
+        let log2 = if turn < 5 {
+            [[12, 12], [0, 0], [12, 0], [0, 12], [1, 2]][turn]
+        } else {
+            [0; 2].map(|_| random.below(13) as u32)
+        };
         let (dipmap, tiled) = (turn % 2 == 1, turn % 3 != 0);
         let kind = if dipmap { PyramidKind::Dipmap } else { PyramidKind::Mipmap };
         let surface = surface_of(kind, tiled, log2);
@@ -267,11 +311,20 @@ pub fn taps() -> Trace {
             "before the item: reset, then idle clocks; after it is taken: stall clocks in which no texel is taken",
             "weights sum to 256; a request of one tap has plane and weight 0 for the second",
         ],
-        &[("reset", 4), ("idle", 4), ("stall", 4), ("filter", 4), ("last", 4), ("last_u", 4), ("fractional", 16), ("whole", 4)]
-            .into_iter()
-            .chain([("level_u", 4), ("level_v", 4), ("taps", 4), ("plane_0", 8), ("weight_0", 12), ("plane_1", 8)])
-            .chain([("weight_1", 12), ("lod_u", 16), ("lod_v", 16)])
-            .collect::<Vec<_>>(),
+        &[
+            ("reset", 4),
+            ("idle", 4),
+            ("stall", 4),
+            ("filter", 4),
+            ("last", 4),
+            ("last_u", 4),
+            ("fractional", 16),
+            ("whole", 4),
+        ]
+        .into_iter()
+        .chain([("level_u", 4), ("level_v", 4), ("taps", 4), ("plane_0", 8), ("weight_0", 12), ("plane_1", 8)])
+        .chain([("weight_1", 12), ("lod_u", 16), ("lod_v", 16)])
+        .collect::<Vec<_>>(),
     );
     let mut random = Random(6);
     for turn in 0..100 {
@@ -304,7 +357,8 @@ pub fn taps() -> Trace {
                 seen.taps.len() as u64,
             ]);
             for tap in 0..2 {
-                let (plane, weight) = seen.taps.get(tap).map_or((0, 0), |tap| (tap.plane, u64::from(tap.weight) << shift));
+                let (plane, weight) =
+                    seen.taps.get(tap).map_or((0, 0), |tap| (tap.plane, u64::from(tap.weight) << shift));
                 line.extend([plane.into(), weight]);
             }
             line.extend(response[0].lod.map(u64::from));
@@ -353,7 +407,16 @@ pub fn fragment_fifo(depth: usize) -> Trace {
     let mut trace = Trace::new(
         "fragment_fifo",
         &["one clock a line; outputs of the same clock; data_o is 0 and not compared where not valid"],
-        &[("reset", 4), ("valid_i", 4), ("ready_i", 4), ("data_i", 16), ("ready_o", 4), ("valid_o", 4), ("data_o", 16), ("held", 8)],
+        &[
+            ("reset", 4),
+            ("valid_i", 4),
+            ("ready_i", 4),
+            ("data_i", 16),
+            ("ready_o", 4),
+            ("valid_o", 4),
+            ("data_o", 16),
+            ("held", 8),
+        ],
     );
     let mut random = Random(8);
     let mut held: VecDeque<u64> = VecDeque::new();
@@ -462,7 +525,8 @@ pub fn datapath(filter_bits: u8, rounding: Rounding) -> Trace {
     for turn in 0..60 {
         let filter = FILTERS[turn % 5];
         let address = [random.pick(&MODES), random.pick(&MODES)];
-        let sampler = Sampler { filter, address, filter_bits, rounding, lod_source: LodSource::Explicit, ..Sampler::default() };
+        let sampler =
+            Sampler { filter, address, filter_bits, rounding, lod_source: LodSource::Explicit, ..Sampler::default() };
         let surface = surface_of(filter.pyramid(), true, [3, 2]);
         // Noise, extremes, and a flat colour, which must come out unchanged.
         let bytes: Vec<u8> = (0..surface.bytes)

@@ -131,12 +131,12 @@ impl Walk {
     }
 }
 
-/// Clocks of the requests between two binds, as the recurrence has them: compared with what the testbench counts when it ignores
-/// pauses.
-pub struct Segments(pub Vec<u64>);
+/// Requests of each texture.
+const REQUESTS: usize = 40;
 
-/// The whole unit; `base` holds the widths. Also how many clocks each texture takes on `machine` without pauses.
-pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, requests: usize, machine: Machine) -> (Trace, Segments) {
+/// The whole unit; `base` holds the widths. Also how many clocks each texture takes on `machine` without pauses, as the recurrence
+/// has them: compared with what the testbench counts.
+pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Machine) -> (Trace, Vec<u64>) {
     let mut trace = Trace::new(
         "unit",
         &[
@@ -172,7 +172,7 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, requests: u
         }
         add(1, random.pauses(), scene.bind(), [0; 5]);
         let mut walk = Walk::new(&mut random);
-        for index in 0..requests {
+        for index in 0..REQUESTS {
             if index % 20 == 0 {
                 walk = Walk::new(&mut random);
             }
@@ -194,7 +194,12 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, requests: u
                 }
             }
             let pauses = random.pauses();
-            let inputs = [request.u.to_bits().cast_unsigned(), request.v.to_bits().cast_unsigned(), request.scale[0], request.scale[1]];
+            let inputs = [
+                request.u.to_bits().cast_unsigned(),
+                request.v.to_bits().cast_unsigned(),
+                request.scale[0],
+                request.scale[1],
+            ];
             let outputs = [
                 u32::from_le_bytes(response[0].texel).into(),
                 response[0].lod[0].into(),
@@ -210,5 +215,5 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, requests: u
             add(2, [0; 3], [0; 4], [0; 5]);
         }
     }
-    (trace, Segments(segments))
+    (trace, segments)
 }
