@@ -1,39 +1,35 @@
-//! Which lines a set-associative LRU cache holds, as lists: slow, obvious, and sharing nothing with `texunit_hw`.
+//! Which lines are in the cache, by the Rust cache unit.
 
-/// The lines of every set, least recently used first.
-pub struct RecentLines {
-    ways: usize,
-    /// Line (if any) and way, oldest use first.
-    sets: Vec<Vec<(Option<u64>, usize)>>,
+use texunit_hw::cache::{Cache, Geometry, Policy};
+
+/// Bytes of a line in every trace.
+pub const LINE: u64 = 64;
+
+/// An LRU cache asked by line numbers.
+pub struct CachedLines {
+    cache: Cache,
 }
 
-impl RecentLines {
+impl CachedLines {
     /// An empty cache.
     pub fn new(sets: u64, ways: usize) -> Self {
-        Self { ways, sets: vec![(0..ways).map(|way| (None, way)).collect(); sets as usize] }
+        let geometry = Geometry { sets: sets as u32, ways: ways as u32, line: LINE as u32 };
+        Self { cache: Cache::new(geometry, Policy::Lru).expect("a shape the RTL has") }
     }
 
     /// Forgets everything.
     pub fn clear(&mut self) {
-        *self = Self::new(self.sets.len() as u64, self.ways);
+        self.cache = Cache::new(self.cache.geometry(), Policy::Lru).expect("the shape it had");
     }
 
     /// Whether a line is there, and the way it is in or would go to.
-    pub fn find(&self, line: u64) -> (bool, usize) {
-        let set = &self.sets[(line % self.sets.len() as u64) as usize];
-        match set.iter().find(|(held, _)| *held == Some(line)) {
-            Some((_, way)) => (true, *way),
-            None => (false, set[0].1),
-        }
+    pub fn find(&self, line: u64) -> (bool, u64) {
+        let outcome = self.cache.clone().access(line * LINE);
+        (outcome.is_hit(), u64::from(outcome.slot() % self.cache.geometry().ways))
     }
 
     /// Uses a line; the answer is whether it was there.
     pub fn touch(&mut self, line: u64) -> bool {
-        let count = self.sets.len() as u64;
-        let set = &mut self.sets[(line % count) as usize];
-        let hit = set.iter().position(|(held, _)| *held == Some(line));
-        let (_, way) = set.remove(hit.unwrap_or(0));
-        set.push((Some(line), way));
-        hit.is_some()
+        self.cache.access(line * LINE).is_hit()
     }
 }

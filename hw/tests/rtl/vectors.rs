@@ -13,7 +13,7 @@ use texunit_hw::{
 };
 
 use crate::{
-    lines::RecentLines,
+    lines::CachedLines,
     trace::{Random, Trace},
     whole::Taps,
 };
@@ -376,7 +376,7 @@ pub fn cache(sets: u64, ways: usize) -> Trace {
         &[("reset", 4), ("flush", 4), ("update", 4), ("line", 24), ("hit", 4), ("way", 4)],
     );
     let mut random = Random(7);
-    let mut lines = RecentLines::new(sets, ways);
+    let mut lines = CachedLines::new(sets, ways);
     let mut line = 0;
     for turn in 0..1500 {
         let [reset, flush] = [turn == 0 || random.once_in(200), turn > 0 && random.once_in(150)].map(u64::from);
@@ -392,7 +392,7 @@ pub fn cache(sets: u64, ways: usize) -> Trace {
             lines.clear();
         }
         let (hit, way) = lines.find(line);
-        trace.push([reset, flush, update, line, hit.into(), way as u64]);
+        trace.push([reset, flush, update, line, hit.into(), way]);
         if reset == 0 && flush == 1 {
             lines.clear();
         } else if reset == 0 && update == 1 {

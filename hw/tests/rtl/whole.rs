@@ -7,7 +7,7 @@ use texunit_hw::{
 
 use crate::{
     clocks::{Clocks, Machine},
-    lines::RecentLines,
+    lines::{CachedLines, LINE},
     trace::{Random, Trace},
     vectors::{FILTERS, LEVEL_ROUNDINGS, MODES, code, surface_of},
 };
@@ -159,7 +159,7 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Ma
         let (sampler, surface) = (scene.sampler(base), scene.surface());
         let bytes: Vec<u8> = (0..surface.bytes).map(byte).collect();
         let mut unit = Unit::new(&sampler, &surface, &bytes).expect("a unit");
-        let mut lines = RecentLines::new(sets, ways);
+        let mut lines = CachedLines::new(sets, ways);
         let mut clocks = Clocks::new(machine);
         let mut add = |op: u64, pauses: [u64; 3], inputs: [u64; 4], outputs: [u64; 5]| {
             let mut line = vec![op, pauses[1], pauses[2]];
@@ -185,7 +185,7 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Ma
             for tap in &seen.taps {
                 for &address in &tap.address[..seen.texels_per_tap] {
                     let outside = is_outside(address);
-                    let hit = outside || lines.touch(address >> 6);
+                    let hit = outside || lines.touch(address / LINE);
                     if !outside {
                         hits |= u64::from(hit) << accesses;
                         accesses += 1;
