@@ -21,8 +21,14 @@ pub trait TexelSource {
 }
 
 /// `a` to `b` at `fraction / 2^bits`, `half` added before the shift.
+///
+/// ```
+/// use texunit_hw::datapath::lerp;
+/// assert_eq!(lerp(10, 21, 128, 8, 128), 16); // half way, half up
+/// ```
 #[inline]
-fn lerp(a: u64, b: u64, fraction: u64, bits: u32, half: u64) -> u64 {
+#[must_use]
+pub const fn lerp(a: u64, b: u64, fraction: u64, bits: u32, half: u64) -> u64 {
     (a * ((1 << bits) - fraction) + b * fraction + half) >> bits
 }
 

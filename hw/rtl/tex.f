@@ -1,0 +1,13 @@
+rtl/tex_pkg.sv
+rtl/log2_table.sv
+rtl/lod.sv
+rtl/taps.sv
+rtl/surface.sv
+rtl/coordinate.sv
+rtl/address.sv
+rtl/cache.sv
+rtl/fragment_fifo.sv
+rtl/memory.sv
+rtl/lerp.sv
+rtl/datapath.sv
+rtl/unit.sv
