@@ -33,7 +33,7 @@ use counters::Spread;
 use memory::Memory;
 use miss_status::MissStatus;
 use queue::{Fifo, Ledger, Width};
-use tap_reads::{READS_MAX, TapReads};
+use tap_reads::{Access, READS_MAX, TapReads};
 
 /// Why a timing model cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,6 +100,10 @@ pub struct Timing<O = ()> {
     data_banks: Banks,
     /// In blocking mode, the first clock the next access can be made in.
     unblocked: u64,
+
+    /// Accesses of the tap at hand, and the clocks of those that missed.
+    reads: TapReads,
+    miss_clocks: [u64; READS_MAX],
 
     ledgers: Ledgers,
     counters: TimingCounters,
@@ -198,6 +202,8 @@ impl<O: TimingObserver> Timing<O> {
             tag_banks: Banks::new(p.tag_banks, p.tag_ports, p.tag_hash),
             data_banks: Banks::new(p.data_banks, p.data_ports, p.data_hash),
             unblocked: 0,
+            reads: TapReads::default(),
+            miss_clocks: [0; READS_MAX],
             ledgers: Ledgers::default(),
             counters: TimingCounters::default(),
             planes: Vec::new(),
@@ -219,19 +225,11 @@ impl<O: TimingObserver> Timing<O> {
         while let Some((plane, addresses)) = taps.next() {
             planes.add(plane);
             count += 1;
-            let reads = self.look_up(plane, addresses);
-            last = Some(self.tap(&request, plane, addresses, &reads, taps.peek().is_none()));
+            last = Some(self.tap(&request, plane, addresses, taps.peek().is_none()));
         }
         if let Some(last) = last {
             self.finish(&request, last, count, planes.count);
         }
-    }
-
-    #[inline(always)]
-    fn look_up(&mut self, plane: usize, addresses: &[u64]) -> TapReads {
-        let mut reads = TapReads::default();
-        self.cache.read_observed(plane, addresses, &mut reads);
-        reads
     }
 
     #[inline(always)]
@@ -277,7 +275,9 @@ impl<O: TimingObserver> Timing<O> {
 
     /// One tap through every unit.
     #[inline(always)]
-    fn tap(&mut self, request: &Started, plane: usize, addresses: &[u64], reads: &TapReads, is_last: bool) -> Timed {
+    fn tap(&mut self, request: &Started, plane: usize, addresses: &[u64], is_last: bool) -> Timed {
+        self.reads.clear();
+        self.cache.read_observed(plane, addresses, &mut self.reads);
         if plane >= self.planes.len() {
             self.planes.resize(plane + 1, PlaneTiming::default());
         }
@@ -298,7 +298,7 @@ impl<O: TimingObserver> Timing<O> {
         self.ledgers.tag.stall_until(room, &mut self.counters.tag_stall_fragment_fifo);
         let tag = self.tag.earliest(at_door.max(room));
         self.tap_fifo.pass(issue, tag + 1);
-        let accessed = self.access_lines(plane, tag, reads);
+        let accessed = self.access_lines(plane, tag);
         let tag_done = accessed.done;
         self.tag.count(tag_done);
 
@@ -323,7 +323,7 @@ impl<O: TimingObserver> Timing<O> {
         self.ledgers.data.work_through(data_done);
         self.fragment_fifo.pass(tag, data + 1);
         if mode == Mode::Prefetching {
-            for &access in &accessed.clocks[..accessed.misses as usize] {
+            for &access in &self.miss_clocks[..accessed.misses as usize] {
                 self.reorder_buffer.pass(access, data + 1);
             }
         }
@@ -337,7 +337,7 @@ impl<O: TimingObserver> Timing<O> {
         counters.data_conflict_clocks += data_done - data - writes;
         let row = &mut self.planes[plane];
         row.taps += 1;
-        row.reads += reads.len() as u64;
+        row.reads += self.reads.reads;
         row.stall_wait_read += waited;
         self.observer.tap(TapTimes {
             tap: counters.taps,
@@ -357,11 +357,11 @@ impl<O: TimingObserver> Timing<O> {
 
     /// The line accesses of a tap that entered the tag unit at `tag`.
     #[inline(always)]
-    fn access_lines(&mut self, plane: usize, tag: u64, reads: &TapReads) -> Accessed {
-        let mut accessed = Accessed { done: tag, filled: 0, misses: 0, clocks: [0; READS_MAX] };
-        let mut accesses = 0;
-        for (line, slot, hit) in reads.accesses() {
-            accesses += 1;
+    fn access_lines(&mut self, plane: usize, tag: u64) -> Accessed {
+        let mut accessed = Accessed { done: tag, filled: 0, misses: 0 };
+        let accesses = self.reads.count();
+        for number in 0..accesses {
+            let Access { line, slot, hit } = self.reads.access(number);
             let from = accessed.done.max(self.unblocked);
             self.ledgers.tag.stall_until(from, &mut self.counters.tag_stall_blocked);
             let clock = self.tag_banks.earliest(line, from);
@@ -376,7 +376,7 @@ impl<O: TimingObserver> Timing<O> {
             self.ledgers.tag.work(tag);
         }
         let row = &mut self.planes[plane];
-        row.fetches_ok += u64::from(accesses - accessed.misses);
+        row.fetches_ok += accesses as u64 - u64::from(accessed.misses);
         row.fetches_failed += u64::from(accessed.misses);
         accessed
     }
@@ -427,7 +427,7 @@ impl<O: TimingObserver> Timing<O> {
             self.unblocked = fetch.filled + 1;
         }
         accessed.filled = accessed.filled.max(fetch.filled);
-        accessed.clocks[accessed.misses as usize] = clock;
+        self.miss_clocks[accessed.misses as usize] = clock;
         accessed.misses += 1;
 
         self.fill_latency.add(fetch.filled - clock);
@@ -551,23 +551,20 @@ struct Accessed {
     /// Clock at which all lines missed are there.
     filled: u64,
     misses: u32,
-    /// Clocks of the misses.
-    clocks: [u64; READS_MAX],
 }
 
 impl<O: TimingObserver> Sink for Timing<O> {
     /// Times the requests of a batch.
     fn take(&mut self, batch: Batch<'_>) {
         let channels_apart = batch.surface.reads_per_texel() > 1;
+        let mut gathered = [0; READS_MAX];
         for taps in batch.taps.chunks_exact(batch.taps_per_request) {
             let request = self.start();
             let (mut planes, mut last) = (PlanesRead::default(), None);
             for (number, tap) in taps.iter().enumerate() {
                 planes.add(tap.plane.into());
-                let mut gathered = [0; READS_MAX];
                 let addresses = gather(&batch, tap, channels_apart, &mut gathered);
-                let reads = self.look_up(tap.plane.into(), addresses);
-                last = Some(self.tap(&request, tap.plane.into(), addresses, &reads, number + 1 == taps.len()));
+                last = Some(self.tap(&request, tap.plane.into(), addresses, number + 1 == taps.len()));
             }
             if let Some(last) = last {
                 self.finish(&request, last, taps.len(), planes.count);
