@@ -6,6 +6,7 @@
 
 mod banks;
 mod counters;
+mod data_banks;
 mod dram;
 mod events;
 mod memory;
@@ -30,6 +31,7 @@ use crate::{
 };
 use banks::Banks;
 use counters::Spread;
+use data_banks::DataBanks;
 use memory::Memory;
 use miss_status::MissStatus;
 use queue::{Fifo, Ledger, Width};
@@ -77,7 +79,6 @@ pub struct Timing<O = ()> {
     line_shift: u32,
     /// Clocks of writing one line into the banks.
     line_write: u64,
-    word_shift: u32,
     memory: Memory,
     observer: O,
 
@@ -97,7 +98,7 @@ pub struct Timing<O = ()> {
     reorder_buffer: Fifo,
     miss_status: MissStatus,
     tag_banks: Banks,
-    data_banks: Banks,
+    data_banks: DataBanks,
     /// In blocking mode, the first clock the next access can be made in.
     unblocked: u64,
 
@@ -182,7 +183,6 @@ impl<O: TimingObserver> Timing<O> {
                 0 => 0,
                 bytes => geometry.line.div_ceil(bytes).into(),
             },
-            word_shift: p.data_bank_bytes.trailing_zeros(),
             memory: Memory::new(memory, geometry.line).map_err(TimingBuildError::SecondLevel)?,
             observer,
             entry: Width::new(p.pixel_pipes),
@@ -200,7 +200,7 @@ impl<O: TimingObserver> Timing<O> {
             reorder_buffer: Fifo::new(p.reorder_buffer),
             miss_status: MissStatus::new(p.miss_status, p.merges, geometry.lines() as usize),
             tag_banks: Banks::new(p.tag_banks, p.tag_ports, p.tag_hash),
-            data_banks: Banks::new(p.data_banks, p.data_ports, p.data_hash),
+            data_banks: DataBanks::new(&p),
             unblocked: 0,
             reads: TapReads::default(),
             miss_clocks: [0; READS_MAX],
@@ -318,7 +318,8 @@ impl<O: TimingObserver> Timing<O> {
         if writes > 0 && data == self.data.last() {
             data += 1;
         }
-        let data_done = self.read_words(addresses, data + writes);
+        let (data_done, words) = self.data_banks.read(addresses, data + writes);
+        self.counters.data_words += words;
         self.data.count(data_done);
         self.ledgers.data.work_through(data_done);
         self.fragment_fifo.pass(tag, data + 1);
@@ -444,21 +445,6 @@ impl<O: TimingObserver> Timing<O> {
         clock
     }
 
-    /// The clock of the last word of a tap whose reads begin at `begin`.
-    #[inline(always)]
-    fn read_words(&mut self, addresses: &[u64], begin: u64) -> u64 {
-        let mut done = begin;
-        for (number, &address) in addresses.iter().enumerate() {
-            let word = address >> self.word_shift;
-            if addresses[..number].iter().any(|&earlier| earlier >> self.word_shift == word) {
-                continue;
-            }
-            self.counters.data_words += 1;
-            done = done.max(self.data_banks.take(word, begin));
-        }
-        done
-    }
-
     /// Totals so far.
     #[must_use]
     pub fn counters(&self) -> TimingCounters {
@@ -558,7 +544,7 @@ impl<O: TimingObserver> Sink for Timing<O> {
     fn take(&mut self, batch: Batch<'_>) {
         let channels_apart = batch.surface.reads_per_texel() > 1;
         let mut gathered = [0; READS_MAX];
-        for taps in batch.taps.chunks_exact(batch.taps_per_request) {
+        for taps in batch.per_request() {
             let request = self.start();
             let (mut planes, mut last) = (PlanesRead::default(), None);
             for (number, tap) in taps.iter().enumerate() {

@@ -52,8 +52,9 @@ impl Banks {
         Self { stamps: vec![Stamp::default(); banks as usize], hash, ports, mask }
     }
 
+    /// The bank a number is in.
     #[inline(always)]
-    fn bank(&self, number: u64) -> usize {
+    pub(super) fn bank(&self, number: u64) -> usize {
         let bank = match (self.hash, self.mask) {
             (BankHash::Low, Some(mask)) => number & mask,
             (BankHash::Low, None) => number % self.stamps.len() as u64,
