@@ -147,7 +147,7 @@ fn write_events(args: &Args, machine: &Machine, recording: &Recording) -> Result
 /// One row a filter.
 fn table(all: &[Timed]) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_FULL_CONDENSED);
+    table.load_style(presets::UTF8_BORDERS_ONLY);
     table.set_header([
         "filter", "cycles/px", "taps/px", "miss %", "bytes/px", "address %", "fetch %", "wait-read %", "ready-read %",
         "row hit %", "latency", "pJ/px",
