@@ -232,9 +232,7 @@ impl MemorySettings {
         let second = &self.second_level;
         MemoryParameters {
             main: match self.kind {
-                MemoryKind::Fixed => {
-                    MainMemory::Fixed { latency: self.latency, bytes_per_clock: self.bytes_per_clock }
-                }
+                MemoryKind::Fixed => MainMemory::Fixed { latency: self.latency, bytes_per_clock: self.bytes_per_clock },
                 MemoryKind::Dram => MainMemory::Dram((&self.dram).into()),
             },
             second_level: second.enabled.then_some(SecondLevelParameters {

@@ -76,8 +76,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(size) = args.size {
         scene.size = size;
     }
-    let filters: Vec<Filter> =
-        if args.filter.is_empty() { Filter::ALL.iter().map(|(_, filter)| *filter).collect() } else { args.filter.clone() };
+    let filters: Vec<Filter> = if args.filter.is_empty() {
+        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
+    } else {
+        args.filter.clone()
+    };
     let files = [&args.kanata, &args.perfetto, &args.vcd, &args.memory_trace];
     let events = files.iter().any(|file| file.is_some());
     if filters.len() > 1 && (events || args.epochs.is_some()) {
@@ -120,7 +123,9 @@ fn epoch_length(args: &Args) -> Result<Option<usize>> {
     let Some([length, _]) = args.epochs.as_deref() else { return Ok(None) };
     match length.parse() {
         Ok(requests) if requests > 0 => Ok(Some(requests)),
-        _ => Err(Error::setting("--epochs", length, "not a number of requests", "for instance --epochs 4096 epochs.csv")),
+        _ => {
+            Err(Error::setting("--epochs", length, "not a number of requests", "for instance --epochs 4096 epochs.csv"))
+        }
     }
 }
 
@@ -137,9 +142,7 @@ fn write_events(args: &Args, machine: &Machine, recording: &Recording) -> Result
     if let Some(path) = &args.memory_trace {
         let second = &machine.memory.second_level;
         let block = if second.enabled { second.line } else { machine.cache.line };
-        write_whole(path, |writer| {
-            memory_trace::write(writer, &recording.fills, block, args.memory_trace_format)
-        })?;
+        write_whole(path, |writer| memory_trace::write(writer, &recording.fills, block, args.memory_trace_format))?;
     }
     Ok(())
 }
@@ -149,8 +152,18 @@ fn table(all: &[Timed]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_BORDERS_ONLY);
     table.set_header([
-        "filter", "cycles/px", "taps/px", "miss %", "bytes/px", "address %", "fetch %", "wait-read %", "ready-read %",
-        "row hit %", "latency", "pJ/px",
+        "filter",
+        "cycles/px",
+        "taps/px",
+        "miss %",
+        "bytes/px",
+        "address %",
+        "fetch %",
+        "wait-read %",
+        "ready-read %",
+        "row hit %",
+        "latency",
+        "pJ/px",
     ]);
     for timed in all {
         let c = &timed.counters;

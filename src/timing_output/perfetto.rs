@@ -14,7 +14,10 @@ pub fn write(writer: &mut dyn Write, recording: &Recording) -> Result<()> {
     for (tap, request) in recording.taps_with_requests() {
         let id = tap.tap;
         let mut span = |ph: &str, name: &str, clock: u64| {
-            write!(writer, ",\n{{\"ph\":\"{ph}\",\"cat\":\"tap\",\"id\":{id},\"pid\":1,\"tid\":1,\"ts\":{clock},\"name\":\"{name}\"}}")
+            write!(
+                writer,
+                ",\n{{\"ph\":\"{ph}\",\"cat\":\"tap\",\"id\":{id},\"pid\":1,\"tid\":1,\"ts\":{clock},\"name\":\"{name}\"}}"
+            )
         };
         let name = format!("tap {id} of request {}", tap.request);
         span("b", &name, request.entry)?;
@@ -43,7 +46,10 @@ pub fn write(writer: &mut dyn Write, recording: &Recording) -> Result<()> {
     ];
     for (name, values) in tracks {
         for (clock, value) in values {
-            write!(writer, ",\n{{\"ph\":\"C\",\"pid\":1,\"ts\":{clock},\"name\":\"{name}\",\"args\":{{\"value\":{value}}}}}")?;
+            write!(
+                writer,
+                ",\n{{\"ph\":\"C\",\"pid\":1,\"ts\":{clock},\"name\":\"{name}\",\"args\":{{\"value\":{value}}}}}"
+            )?;
         }
     }
     writeln!(writer, "\n]}}")
