@@ -4,6 +4,7 @@
 pub mod address_trace;
 pub mod annotated;
 pub mod cli;
+pub mod energy;
 pub mod error;
 pub mod experiment;
 pub mod front_end;
@@ -15,3 +16,6 @@ pub mod reference;
 pub mod report;
 pub mod scene;
 pub mod texture_memory;
+pub mod timed_run;
+pub mod timing_output;
+pub mod timing_settings;

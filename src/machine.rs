@@ -8,10 +8,12 @@ use texunit_hw::{
 };
 
 use crate::{
+    energy::EnergyTable,
     error::{Error, Result},
     names::{Named, by_name},
     pyramid::Build,
     scene::{AxisRule, Norm},
+    timing_settings::{self, MemorySettings, TimingSettings},
 };
 
 /// A machine, complete: what is not said in a file has the value of the default machine.
@@ -30,6 +32,12 @@ pub struct Machine {
     pub texture: Texture,
     /// The texel cache.
     pub cache: CacheShape,
+    /// The pipeline in time.
+    pub timing: TimingSettings,
+    /// What answers misses.
+    pub memory: MemorySettings,
+    /// Picojoules of everything that happens.
+    pub energy: EnergyTable,
 }
 
 /// See docs/numerics.md, section 4.
@@ -162,7 +170,15 @@ pub fn policy_from_name(name: &str, seed: u64) -> Result<Policy, String> {
 }
 
 /// The machines that ship with texunit, with their files.
-pub const PROFILES: &[(&str, &str)] = &[("herf-12.20", include_str!("../hw/profiles/herf-12.20.toml"))];
+pub const PROFILES: &[(&str, &str)] = &[
+    ("herf-12.20", include_str!("../hw/profiles/herf-12.20.toml")),
+    ("hakura-1997", include_str!("../hw/profiles/hakura-1997.toml")),
+    ("igehy-1998", include_str!("../hw/profiles/igehy-1998.toml")),
+    ("milkymist", include_str!("../hw/profiles/milkymist.toml")),
+    ("vortex", include_str!("../hw/profiles/vortex.toml")),
+    ("mobile", include_str!("../hw/profiles/mobile.toml")),
+    ("desktop", include_str!("../hw/profiles/desktop.toml")),
+];
 
 impl Machine {
     /// The machine of a shipped name or of a TOML file, with settings on top.
@@ -255,7 +271,9 @@ impl Machine {
         self.cache.geometry().check().map_err(|error| {
             let shape = format!("{} sets x {} ways x {} bytes", self.cache.sets, self.cache.ways, self.cache.line);
             Error::setting("cache", shape, error.to_string(), "for instance 64 sets, 4 ways, 64 bytes a line")
-        })
+        })?;
+        timing_settings::check(&self.timing, &self.memory, self.cache.line, self.texture.format.element_bytes())?;
+        self.energy.check()
     }
 
     /// The sampler this machine runs a filter with.

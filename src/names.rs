@@ -1,7 +1,10 @@
 //! The one spelling of everything a user can choose: the same on the command line, in TOML, JSON, traces and documents.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeTuple};
+use texunit_hw::timing::{BankHash, Mapping, Mode, Page};
 use texunit_hw::{AddressMode, Filter, Format, Layout, LevelRounding, Log2, PyramidKind, Rounding};
+
+use crate::timing_settings::MemoryKind;
 
 use crate::pyramid::{From as PlanesFrom, Kernel, PlaneRounding};
 use crate::scene::{AxisRule, GradientMethod, MatrixStepping, Norm, Pattern, PixelOrder};
@@ -54,6 +57,11 @@ names! {
         "feline" => Self::Feline,
         "fast" => Self::Fast,
     }
+    Mode, "timing mode" { "prefetching" => Self::Prefetching, "blocking" => Self::Blocking }
+    BankHash, "bank hash" { "low" => Self::Low, "xor" => Self::Xor }
+    Page, "page policy" { "open" => Self::Open, "closed" => Self::Closed }
+    Mapping, "address mapping" { "row-bank-column" => Self::RowBankColumn, "row-column-bank" => Self::RowColumnBank }
+    MemoryKind, "memory" { "fixed" => Self::Fixed, "dram" => Self::Dram }
     PyramidKind, "pyramid" { "mipmap" => Self::Mipmap, "dipmap" => Self::Dipmap, "ripmap" => Self::Ripmap }
     Kernel, "kernel" {
         "point" => Self::Point, "box" => Self::Box, "tent" => Self::Tent, "lanczos" => Self::Lanczos, "kaiser" => Self::Kaiser,

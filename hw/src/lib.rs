@@ -31,6 +31,8 @@ pub mod cache;
 pub mod datapath;
 pub mod memory;
 
+pub mod timing;
+
 pub mod unit;
 
 pub use address::Footprint;

@@ -7,6 +7,7 @@ mod mips;
 mod run;
 mod sample;
 mod scenes;
+mod time;
 mod verify;
 
 use std::process::ExitCode;
@@ -32,6 +33,7 @@ enum Command {
     Mips(mips::Args),
     Run(run::Args),
     Sample(sample::Args),
+    Time(Box<time::Args>),
     Verify(verify::Args),
 }
 
@@ -64,6 +66,7 @@ pub fn main() -> ExitCode {
         Command::Mips(args) => mips::run(args),
         Command::Run(args) => run::run(&args),
         Command::Sample(args) => sample::run(&args),
+        Command::Time(args) => time::run(&args),
         Command::Verify(args) => verify::run(&args),
     };
     outcome.unwrap_or_else(|error| {

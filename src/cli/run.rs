@@ -44,7 +44,7 @@ pub struct Args {
     machine: super::MachineArgs,
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     text.split_once('x')
         .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]))
         .filter(|size| size.iter().all(|side| (1..=16384).contains(side)))

@@ -72,6 +72,17 @@ impl Observer for PlaneMeter<'_> {
     }
 }
 
+/// Two observers, one after the other.
+struct Watched<'a, 'o, O>(PlaneMeter<'a>, &'o mut O);
+
+impl<O: Observer> Observer for Watched<'_, '_, O> {
+    #[inline(always)]
+    fn lookup(&mut self, address: u64, line: u64, outcome: Outcome) {
+        self.0.lookup(address, line, outcome);
+        self.1.lookup(address, line, outcome);
+    }
+}
+
 impl TexelCache {
     /// An empty cache of texels of `texel` bytes (a power of two, at most a line).
     ///
@@ -102,6 +113,20 @@ impl TexelCache {
         let mut meter = Self::plane(&mut self.planes, &mut self.meter, plane);
         meter.row.lookups += addresses.len() as u64;
         self.cache.access_all(addresses, &mut meter);
+    }
+
+    /// The same, with someone watching every lookup.
+    #[inline]
+    pub fn read_observed(&mut self, plane: usize, addresses: &[u64], observer: &mut impl Observer) {
+        let meter = Self::plane(&mut self.planes, &mut self.meter, plane);
+        meter.row.lookups += addresses.len() as u64;
+        self.cache.access_all(addresses, &mut Watched(meter, observer));
+    }
+
+    /// Bytes of one read.
+    #[must_use]
+    pub const fn bytes_per_read(&self) -> u32 {
+        self.texel
     }
 
     #[inline(always)]

@@ -1,0 +1,101 @@
+//! Banked memories: which bank a number is in, and how many accesses a bank has had in a clock.
+
+use alloc::{vec, vec::Vec};
+
+use super::parameters::TimingError;
+
+/// Which bank a line or word number is in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BankHash {
+    /// The number modulo the banks.
+    #[default]
+    Low,
+    /// The exclusive or of all groups of as many bits as number the banks, which are a power of two.
+    Xor,
+}
+
+impl BankHash {
+    pub(super) fn check(self, key: &'static str, banks: u32) -> Result<(), TimingError> {
+        if self == Self::Xor && !banks.is_power_of_two() {
+            return Err(TimingError {
+                key,
+                value: banks.into(),
+                problem: "the xor hash needs a power of two of banks",
+                remedy: "use",
+                limit: banks.next_power_of_two().into(),
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Banks that each take a few accesses a clock.
+#[derive(Clone, Debug)]
+pub(super) struct Banks {
+    stamps: Vec<Stamp>,
+    hash: BankHash,
+    ports: u32,
+    /// Banks less one where they are a power of two.
+    mask: Option<u64>,
+}
+
+/// The clock of a bank's last access, and how many it had in that clock.
+#[derive(Clone, Copy, Debug, Default)]
+struct Stamp {
+    clock: u64,
+    used: u32,
+}
+
+impl Banks {
+    pub(super) fn new(banks: u32, ports: u32, hash: BankHash) -> Self {
+        let mask = banks.is_power_of_two().then(|| u64::from(banks - 1));
+        Self { stamps: vec![Stamp::default(); banks as usize], hash, ports, mask }
+    }
+
+    /// The bank a number is in.
+    #[inline(always)]
+    pub(super) fn bank(&self, number: u64) -> usize {
+        let bank = match (self.hash, self.mask) {
+            (BankHash::Low, Some(mask)) => number & mask,
+            (BankHash::Low, None) => number % self.stamps.len() as u64,
+            (BankHash::Xor, _) => fold(number, self.stamps.len().trailing_zeros()),
+        };
+        bank as usize
+    }
+
+    /// The first clock from `earliest` on at which the bank of a number has a port left, and takes it. Later calls for the bank must not ask
+    /// for an earlier clock than the answer to this one.
+    #[inline(always)]
+    pub(super) fn take(&mut self, number: u64, earliest: u64) -> u64 {
+        let bank = self.bank(number);
+        let ports = self.ports;
+        let stamp = &mut self.stamps[bank];
+        if stamp.clock < earliest {
+            *stamp = Stamp { clock: earliest, used: 1 };
+        } else if stamp.used < ports {
+            stamp.used += 1;
+        } else {
+            *stamp = Stamp { clock: stamp.clock + 1, used: 1 };
+        }
+        stamp.clock
+    }
+
+    /// The clock [`Self::take`] would answer, without taking it.
+    #[inline(always)]
+    pub(super) fn earliest(&self, number: u64, earliest: u64) -> u64 {
+        let stamp = self.stamps[self.bank(number)];
+        if stamp.clock < earliest { earliest } else { stamp.clock + u64::from(stamp.used >= self.ports) }
+    }
+}
+
+fn fold(mut number: u64, bits: u32) -> u64 {
+    if bits == 0 {
+        return 0;
+    }
+    let mut folded = 0;
+    while number != 0 {
+        folded ^= number & ((1 << bits) - 1);
+        number >>= bits;
+    }
+    folded
+}

@@ -1,0 +1,76 @@
+//! Miss-status entries: which lines are on their way, and who waits for them.
+
+use alloc::{collections::VecDeque, vec, vec::Vec};
+
+/// Entries by the clocks they come free, and the state of every slot's line.
+#[derive(Clone, Debug)]
+pub(super) struct MissStatus {
+    entries: usize,
+    merges: u32,
+    /// First clocks at which the entries held can be taken again, in order. Lines may come out of order, so this is sorted.
+    held: VecDeque<u64>,
+    most: usize,
+    clocks: u64,
+    slots: Vec<Slot>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Slot {
+    /// Clock from which the slot's line can be read.
+    filled: u64,
+    /// Accesses merged with it.
+    merged: u32,
+}
+
+impl MissStatus {
+    pub(super) fn new(entries: u32, merges: u32, slots: usize) -> Self {
+        let entries = entries as usize;
+        Self { entries, merges, held: VecDeque::new(), most: 0, clocks: 0, slots: vec![Slot::default(); slots] }
+    }
+
+    /// When the line of a slot is there.
+    #[inline(always)]
+    pub(super) fn filled(&self, slot: u32) -> u64 {
+        self.slots[slot as usize].filled
+    }
+
+    /// Merges an access with a line on its way, if it takes one more.
+    #[inline(always)]
+    pub(super) fn merge(&mut self, slot: u32) -> bool {
+        let slot = &mut self.slots[slot as usize];
+        let merges = slot.merged < self.merges;
+        slot.merged += u32::from(merges);
+        merges
+    }
+
+    /// A slot gets a new line.
+    pub(super) fn fill(&mut self, slot: u32, filled: u64) {
+        self.slots[slot as usize] = Slot { filled, merged: 0 };
+    }
+
+    /// The first clock from `clock` on with a free entry.
+    pub(super) fn room(&mut self, clock: u64) -> u64 {
+        self.release(clock);
+        if self.held.len() < self.entries { clock } else { self.held[0] }
+    }
+
+    /// Takes an entry in `clock`, as [`Self::room`] allows, that can be taken again from `free` on.
+    pub(super) fn hold(&mut self, clock: u64, free: u64) {
+        self.release(clock);
+        let place = self.held.iter().rposition(|&earlier| earlier <= free).map_or(0, |before| before + 1);
+        self.held.insert(place, free);
+        self.most = self.most.max(self.held.len());
+        self.clocks += free - clock;
+    }
+
+    fn release(&mut self, clock: u64) {
+        while self.held.front().is_some_and(|&free| free <= clock) {
+            self.held.pop_front();
+        }
+    }
+
+    /// Clocks of entries held, and the most held.
+    pub(super) const fn usage(&self) -> (u64, u64) {
+        (self.clocks, self.most as u64)
+    }
+}

@@ -1,0 +1,277 @@
+//! The max-plus model against a simulator that ticks: the same clock for every item, the same value of every counter.
+
+mod memory;
+mod simulator;
+
+use proptest::prelude::*;
+use simulator::{Machine, MissClocks, Tap, TapClocks, simulate};
+use texunit_hw::{
+    Geometry, Policy,
+    cache::{Detail, TexelCache},
+    timing::{
+        BankHash, DramParameters, FillTimes, MainMemory, Mapping, MemoryParameters, Mode, Page, Parameters,
+        RequestTimes, SecondLevelParameters, TapTimes, Timing, TimingCounters, TimingObserver,
+    },
+};
+
+/// Turns numbers that proptest can shrink into choices.
+struct Draw<'a>(std::slice::Iter<'a, u32>);
+
+impl Draw<'_> {
+    fn below(&mut self, n: u32) -> u32 {
+        self.0.next().copied().unwrap_or(0) % n
+    }
+    fn from<T: Copy>(&mut self, choices: &[T]) -> T {
+        choices[self.below(choices.len() as u32) as usize]
+    }
+    fn depth(&mut self) -> u32 {
+        1 + self.from(&[0, 1, 2, 3, 7, 15, 40])
+    }
+    fn latency(&mut self) -> u32 {
+        1 + self.below(5)
+    }
+}
+
+const READS: u32 = 4;
+
+fn machine(draw: &mut Draw<'_>) -> Machine {
+    let pipeline = Parameters {
+        mode: draw.from(&[Mode::Prefetching, Mode::Prefetching, Mode::Prefetching, Mode::Blocking]),
+        pixel_pipes: 1 + draw.below(3),
+        taps_per_clock: 1 + draw.below(4),
+        request_fifo: draw.depth(),
+        lod_fifo: draw.depth(),
+        tap_fifo: draw.depth(),
+        fragment_fifo: draw.depth(),
+        result_fifo: draw.depth(),
+        tag_banks: draw.from(&[1, 2, 4, 8]),
+        tag_ports: 1 + draw.below(2),
+        tag_hash: draw.from(&[BankHash::Low, BankHash::Xor]),
+        miss_status: draw.depth(),
+        merges: draw.from(&[0, 1, 2, 100]),
+        miss_queue: draw.depth(),
+        reorder_buffer: READS - 1 + draw.depth(),
+        data_banks: draw.from(&[1, 2, 4, 16]),
+        data_bank_bytes: draw.from(&[4, 8, 32]),
+        data_ports: 1 + draw.below(2),
+        data_hash: draw.from(&[BankHash::Low, BankHash::Xor]),
+        fill_write_bytes: draw.from(&[0, 8, 16, 64]),
+        lod_latency: draw.latency(),
+        address_latency: draw.latency(),
+        tag_latency: draw.latency(),
+        data_latency: draw.latency(),
+        filter_latency: draw.latency(),
+    };
+    let line = draw.from(&[16, 32, 64]);
+    let second_level = draw.from(&[false, false, true]).then(|| SecondLevelParameters {
+        sets: 1 + draw.below(5),
+        ways: 1 + draw.below(3),
+        line: line << draw.below(2),
+        latency: draw.latency(),
+        bytes_per_clock: draw.from(&[64, 16, 5]),
+        miss_queue: draw.depth(),
+    });
+    let block = second_level.map_or(line, |second| second.line);
+    let main = if draw.below(2) == 0 {
+        MainMemory::Fixed { latency: draw.below(50), bytes_per_clock: draw.from(&[64, 16, 8, 3]) }
+    } else {
+        let interleave = block << draw.below(3);
+        MainMemory::Dram(DramParameters {
+            channels: 1 + draw.below(3),
+            interleave,
+            banks: draw.from(&[1, 2, 4]),
+            row_bytes: interleave << draw.below(3),
+            page: draw.from(&[Page::Open, Page::Closed]),
+            mapping: draw.from(&[Mapping::RowBankColumn, Mapping::RowColumnBank]),
+            bank_xor: draw.below(2) == 1,
+            queue: draw.depth(),
+            controller_latency: draw.below(8),
+            trcd: draw.below(8),
+            trp: draw.below(8),
+            tcas: draw.below(8),
+            tras: draw.below(20),
+            burst_length: draw.from(&[1, 2, 8]),
+            bus_bytes: draw.from(&[2, 4, 16]),
+            beats_per_clock: 1 + draw.below(2),
+        })
+    };
+    Machine {
+        pipeline,
+        memory: MemoryParameters { main, second_level },
+        sets: 1 + draw.below(6),
+        ways: 1 + draw.below(3),
+        line,
+    }
+}
+
+/// Taps that wander: mostly near the last, sometimes far; sometimes with texels outside, sometimes with one texel.
+fn stream(draw: &mut Draw<'_>, requests: u32) -> Vec<Vec<Tap>> {
+    let span = draw.from(&[64, 512, 4096]);
+    let most_taps = 1 + draw.below(4);
+    let mut at = 0;
+    (0..requests)
+        .map(|_| {
+            let taps = 1 + draw.below(most_taps);
+            (0..taps)
+                .map(|_| {
+                    at = match draw.below(4) {
+                        0 => 4 * u64::from(draw.below(span)),
+                        _ => at + 4 * u64::from(draw.below(6)),
+                    };
+                    let row = 4 * u64::from(draw.from(&[1u32, 4, 16, 64]));
+                    let reads = draw.from(&[4, 4, 4, 4, 1, 2, 0]);
+                    let addresses = [at, at + 4, at + row, at + row + 4];
+                    Tap { plane: draw.below(3) as usize, addresses: addresses[..reads].to_vec() }
+                })
+                .collect()
+        })
+        .collect()
+}
+
+#[derive(Default)]
+struct Recorder {
+    requests: Vec<[u64; 3]>,
+    taps: Vec<TapClocks>,
+    misses: Vec<MissClocks>,
+}
+
+impl TimingObserver for &mut Recorder {
+    fn fill(&mut self, fill: FillTimes) {
+        assert_eq!(fill.tap, self.taps.len() as u64);
+        self.misses.push(MissClocks {
+            address: fill.address,
+            access: fill.access,
+            taken: fill.fetch.taken,
+            filled: fill.fetch.filled,
+        });
+    }
+    fn tap(&mut self, tap: TapTimes) {
+        assert_eq!((tap.tap, tap.request), (self.taps.len() as u64, self.requests.len() as u64));
+        self.taps.push(TapClocks {
+            issue: tap.issue,
+            tag: tap.tag,
+            tag_done: tap.tag_done,
+            data: tap.data,
+            data_done: tap.data_done,
+            datapath: tap.datapath,
+            misses: tap.misses.into(),
+        });
+    }
+    fn request(&mut self, request: RequestTimes) {
+        self.requests.push([request.entry, request.lod, request.result]);
+    }
+}
+
+fn cache(machine: &Machine) -> TexelCache {
+    let geometry = Geometry { sets: machine.sets, ways: machine.ways, line: machine.line };
+    TexelCache::new(geometry, Policy::Lru, 4, Detail::default()).unwrap()
+}
+
+fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
+    let mut recorder = Recorder::default();
+    let mut timing = Timing::new(&machine.pipeline, &machine.memory, cache(machine), READS, &mut recorder).unwrap();
+    let mut untimed = cache(machine);
+    for request in requests {
+        timing.request(request.iter().map(|tap| (tap.plane, &tap.addresses[..])));
+        request.iter().for_each(|tap| untimed.read_all(tap.plane, &tap.addresses));
+    }
+    let counters = timing.counters();
+    assert_eq!(timing.cache().counters(), untimed.counters(), "time changes no hit");
+    assert_eq!(timing.cache().planes(), untimed.planes());
+    let planes = timing.planes();
+    let sum = |field: fn(&texunit_hw::timing::PlaneTiming) -> u64| planes.iter().map(field).sum::<u64>();
+    assert_eq!(sum(|plane| plane.taps), counters.taps);
+    assert_eq!(sum(|plane| plane.bytes_filled), counters.bytes_filled);
+    assert_eq!(sum(|plane| plane.stall_wait_read), counters.stall_wait_read);
+    assert_eq!(sum(|plane| plane.fill_latency_sum), counters.fill_latency_sum);
+    assert_eq!(sum(|plane| plane.row_hits), counters.row_hits);
+    assert_eq!(sum(|plane| plane.row_misses), counters.row_misses);
+    assert_eq!(sum(|plane| plane.row_conflicts), counters.row_conflicts);
+    assert_eq!(sum(|plane| plane.second_level_hits), counters.second_level_hits);
+    assert_eq!(timing.histograms().taps.iter().sum::<u64>(), counters.requests);
+    conserve(&counters, &untimed, machine.line);
+    drop(timing);
+
+    let log = simulate(machine, requests);
+    assert_eq!(recorder.taps, log.taps, "taps");
+    assert_eq!(recorder.misses, log.misses, "misses");
+    assert_eq!(recorder.requests, log.requests, "requests");
+    for ((name, _), value) in TimingCounters::FIELDS.iter().zip(counters.values()) {
+        assert_eq!(value, log.counters.get(*name).copied().unwrap_or(0), "{name}");
+    }
+    counters
+}
+
+/// What must add up, whatever the machine.
+fn conserve(c: &TimingCounters, cache: &TexelCache, line: u32) {
+    let cached = cache.counters();
+    assert_eq!(c.reads, cached.lookups);
+    assert_eq!(c.fills, cached.misses);
+    assert_eq!(c.bytes_filled, cached.bytes_fetched);
+    assert_eq!(c.bytes_filled, c.fills * u64::from(line));
+    assert_eq!(c.fetches_ok + c.fetches_failed + c.fetches_skipped, c.reads);
+    assert!(c.fetches_merged <= c.fetches_ok);
+    assert_eq!(c.entry_busy + c.entry_idle + c.entry_stall_request_fifo, c.cycles);
+    assert_eq!(c.lod_busy + c.lod_idle + c.lod_stall_lod_fifo, c.cycles);
+    assert_eq!(c.sequencer_busy + c.sequencer_idle + c.sequencer_stall_tap_fifo, c.cycles);
+    assert_eq!(c.tag_busy + c.tag_idle + c.tag_stall_fragment_fifo + c.stall_fetch, c.cycles);
+    assert_eq!(c.miss_port_busy + c.miss_port_idle + c.miss_port_stall_memory, c.cycles);
+    assert_eq!(c.miss_port_busy, c.fills);
+    assert_eq!(c.data_busy + c.data_idle + c.data_stall_fill + c.data_stall_result_fifo, c.cycles);
+    assert_eq!(c.datapath_busy + c.datapath_idle, c.cycles);
+    assert_eq!(c.result_busy + c.result_idle, c.cycles);
+    if c.second_level_lookups > 0 {
+        assert_eq!(c.second_level_lookups, c.fills);
+        assert_eq!(c.second_level_misses, c.memory_requests);
+    } else {
+        assert_eq!(c.memory_requests, c.fills);
+    }
+    if c.row_hits + c.row_misses + c.row_conflicts > 0 {
+        assert_eq!(c.row_hits + c.row_misses + c.row_conflicts, c.memory_requests);
+    }
+}
+
+fn numbers(count: usize) -> impl Strategy<Value = Vec<u32>> {
+    prop::collection::vec(any::<u32>(), count)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 6000, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn every_item_passes_every_unit_at_the_clock_a_ticking_machine_says(numbers in numbers(600)) {
+        let mut draw = Draw(numbers.iter());
+        let machine = machine(&mut draw);
+        agree(&machine, &stream(&mut draw, 24));
+    }
+
+    #[test]
+    fn short_streams_of_any_machine_agree_too(numbers in numbers(160)) {
+        let mut draw = Draw(numbers.iter());
+        let machine = machine(&mut draw);
+        agree(&machine, &stream(&mut draw, 5));
+    }
+}
+
+#[test]
+fn the_random_machines_meet_every_stall_and_every_counter() {
+    let mut seed = 1u32;
+    let mut sums = vec![0u64; TimingCounters::FIELDS.len()];
+    for _ in 0..400 {
+        let numbers: Vec<u32> = std::iter::repeat_with(|| {
+            // Marsaglia's xorshift.
+            seed ^= seed << 13;
+            seed ^= seed >> 17;
+            seed ^= seed << 5;
+            seed
+        })
+        .take(600)
+        .collect();
+        let mut draw = Draw(numbers.iter());
+        let machine = machine(&mut draw);
+        let counters = agree(&machine, &stream(&mut draw, 24));
+        sums.iter_mut().zip(counters.values()).for_each(|(sum, value)| *sum += value);
+    }
+    for ((name, _), sum) in TimingCounters::FIELDS.iter().zip(sums) {
+        assert!(sum > 0, "{name} is never above 0");
+    }
+}

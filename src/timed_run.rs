@@ -1,0 +1,155 @@
+//! A scene's requests through a machine in time.
+
+use serde_json::{Map, Value, json};
+use texunit_hw::{
+    Filter, LodSource, Request, Sampler, Unit,
+    timing::{Histograms, PlaneTiming, Timing, TimingCounters, TimingObserver},
+};
+
+use crate::{
+    energy::Energy,
+    error::{Error, Result},
+    experiment::{Pyramids, cache},
+    front_end::FrontEnd,
+    machine::Machine,
+    names::Named,
+    pyramid::PlaneImage,
+    scene::{Fragment, Scene},
+};
+
+/// What one filter took.
+#[derive(Clone, Debug)]
+pub struct Timed {
+    /// The filter.
+    pub filter: Filter,
+    /// Everything counted.
+    pub counters: TimingCounters,
+    /// The same per plane: how often each axis was halved, and its share.
+    pub planes: Vec<((u8, u8), PlaneTiming)>,
+    /// Requests by what they asked for.
+    pub histograms: Histograms,
+    /// Counters at the end of every epoch, running totals.
+    pub epochs: Vec<TimingCounters>,
+    /// Bytes asked of the cache, and misses.
+    pub bytes_requested: u64,
+    /// An estimate.
+    pub energy: Energy,
+}
+
+impl Timed {
+    /// Clocks a request.
+    #[must_use]
+    pub fn cycles_per_request(&self) -> f64 {
+        self.counters.cycles as f64 / self.counters.requests.max(1) as f64
+    }
+
+    /// Every counter by name, with its definition; planes, histograms and energy below.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let named = |fields: &[(&str, &str)], values: Vec<u64>| -> Map<String, Value> {
+            fields.iter().zip(values).map(|((name, _), value)| ((*name).to_owned(), value.into())).collect()
+        };
+        let planes: Vec<Value> = self
+            .planes
+            .iter()
+            .map(|((lu, lv), row)| {
+                let mut plane = named(PlaneTiming::FIELDS, row.values());
+                plane.insert("lu".into(), (*lu).into());
+                plane.insert("lv".into(), (*lv).into());
+                plane.into()
+            })
+            .collect();
+        let bars = |bars: &[u64]| -> Map<String, Value> {
+            bars.iter().enumerate().filter(|(_, n)| **n > 0).map(|(at, n)| (at.to_string(), (*n).into())).collect()
+        };
+        json!({
+            "filter": self.filter.name(),
+            "cycles_per_request": self.cycles_per_request(),
+            "counters": named(TimingCounters::FIELDS, self.counters.values()),
+            "planes": planes,
+            "requests_by_taps": bars(&self.histograms.taps),
+            "requests_by_planes": bars(&self.histograms.planes),
+            "requests_by_anisotropy": bars(&self.histograms.anisotropy),
+            "energy_estimate_pj": self.energy,
+        })
+    }
+}
+
+/// The requests of a scene, bound to what they are asked of.
+#[derive(Debug)]
+pub struct TimedBench<'s> {
+    machine: &'s Machine,
+    scene: &'s Scene,
+    fragments: Vec<Fragment>,
+    pyramids: Pyramids,
+    size: [u32; 2],
+}
+
+impl<'s> TimedBench<'s> {
+    /// Rasterizes the scene and makes the pyramids for some filters.
+    ///
+    /// # Errors
+    /// A pyramid that cannot be made or laid out.
+    pub fn new(scene: &'s Scene, machine: &'s Machine, filters: &[Filter]) -> Result<Self> {
+        let image = scene.texture.image();
+        let top = PlaneImage::of_image(&image);
+        let size = [top.width, top.height];
+        let pyramids = Pyramids::for_filters(machine, &top, filters)?;
+        Ok(Self { machine, scene, fragments: scene.fragments().collect(), pyramids, size })
+    }
+
+    fn requests(&self, filter: Filter) -> (Sampler, Vec<Request>) {
+        let address = self.scene.texture.wrap;
+        let front_end = FrontEnd {
+            filter,
+            address,
+            norm: self.machine.lod.norm,
+            rule: self.machine.lod.dipmap_rule,
+            size: self.size,
+        };
+        let sampler = self.machine.sampler(filter, address, LodSource::Gradient);
+        (sampler, front_end.requests(&self.fragments).0)
+    }
+
+    /// Times one filter of those it was made for, an epoch every so many requests, with someone watching.
+    ///
+    /// # Errors
+    /// A machine that cannot run.
+    pub fn time<O: TimingObserver>(&self, filter: Filter, epoch: Option<usize>, observer: O) -> Result<(Timed, O)> {
+        let (_, memory) = self.pyramids.of(filter);
+        let surface = &memory.surface;
+        let (sampler, requests) = self.requests(filter);
+        let wrong = |problem: String| Error::setting("machine", &self.machine.name, problem, "change the machine");
+        let mut unit = Unit::new(&sampler, surface, &memory.bytes).map_err(|error| wrong(error.to_string()))?;
+        let texels = if filter == Filter::Point { 1 } else { 4 };
+        let cache = cache(self.machine, surface.bytes_per_read())?;
+        let mut timing = Timing::new(
+            &self.machine.timing.parameters(),
+            &self.machine.memory.parameters(),
+            cache,
+            texels * surface.reads_per_texel(),
+            observer,
+        )
+        .map_err(|error| wrong(error.to_string()))?;
+        let mut epochs = Vec::new();
+        for requests in requests.chunks(epoch.unwrap_or(usize::MAX).max(1)) {
+            unit.addresses(requests, &mut timing);
+            if epoch.is_some() {
+                epochs.push(timing.counters());
+            }
+        }
+        let counters = timing.counters();
+        let planes = surface.planes.iter().map(|plane| (plane.lu, plane.lv)).zip(timing.planes()).collect();
+        let word = self.machine.timing.data_bank_bytes;
+        let timed = Timed {
+            filter,
+            counters,
+            planes,
+            histograms: *timing.histograms(),
+            epochs,
+            bytes_requested: timing.cache().counters().bytes_requested,
+            energy: self.machine.energy.of(&counters, word, self.machine.cache.line, texels),
+        };
+        Ok((timed, timing.into_observer()))
+    }
+}

@@ -1,0 +1,56 @@
+//! Chrome's trace JSON, which Perfetto opens: asynchronous spans, since items overlap, and counter tracks. A clock is a microsecond.
+
+use std::io::{Result, Write};
+
+use super::{Recording, level, stages};
+
+/// Writes the trace.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write(writer: &mut dyn Write, recording: &Recording) -> Result<()> {
+    writeln!(writer, "{{\"displayTimeUnit\":\"ms\",\"traceEvents\":[")?;
+    write!(writer, r#"{{"ph":"M","pid":1,"name":"process_name","args":{{"name":"texunit (1 clock = 1 us)"}}}}"#)?;
+    for (tap, request) in recording.taps_with_requests() {
+        let id = tap.tap;
+        let mut span = |ph: &str, name: &str, clock: u64| {
+            write!(
+                writer,
+                ",\n{{\"ph\":\"{ph}\",\"cat\":\"tap\",\"id\":{id},\"pid\":1,\"tid\":1,\"ts\":{clock},\"name\":\"{name}\"}}"
+            )
+        };
+        let name = format!("tap {id} of request {}", tap.request);
+        span("b", &name, request.entry)?;
+        for (_, name, from, until) in stages(tap, request) {
+            if from < until {
+                span("b", name, from)?;
+                span("e", name, until)?;
+            }
+        }
+        span("e", &name, request.result + 1)?;
+    }
+    for (number, fill) in recording.recorded_fills().enumerate() {
+        for (ph, clock) in [("b", fill.access), ("e", fill.fetch.filled)] {
+            write!(
+                writer,
+                ",\n{{\"ph\":\"{ph}\",\"cat\":\"line\",\"id\":{number},\"pid\":1,\"tid\":2,\"ts\":{clock},\
+                 \"name\":\"line {:#x} of plane {}\"}}",
+                fill.address, fill.plane
+            )?;
+        }
+    }
+    let tracks = [
+        ("fragment fifo", level(recording.taps.iter().map(|tap| (tap.tag, tap.data + 1)))),
+        ("lines on their way", level(recording.recorded_fills().map(|fill| (fill.access, fill.fetch.filled)))),
+        ("requests inside", level(recording.requests.iter().map(|one| (one.entry, one.result + 1)))),
+    ];
+    for (name, values) in tracks {
+        for (clock, value) in values {
+            write!(
+                writer,
+                ",\n{{\"ph\":\"C\",\"pid\":1,\"ts\":{clock},\"name\":\"{name}\",\"args\":{{\"value\":{value}}}}}"
+            )?;
+        }
+    }
+    writeln!(writer, "\n]}}")
+}
