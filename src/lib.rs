@@ -15,3 +15,4 @@ pub mod reference;
 pub mod report;
 pub mod scene;
 pub mod texture_memory;
+pub mod trace;

@@ -1,7 +1,7 @@
 //! The one spelling of everything a user can choose: the same on the command line, in TOML, JSON, traces and documents.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeTuple};
-use texunit_hw::{AddressMode, Filter, Format, Layout, LevelRounding, Log2, PyramidKind, Rounding};
+use texunit_hw::{AddressMode, Filter, Format, Layout, LevelRounding, LodSource, Log2, PyramidKind, Rounding};
 
 use crate::pyramid::{From as PlanesFrom, Kernel, PlaneRounding};
 use crate::scene::{AxisRule, GradientMethod, MatrixStepping, Norm, Pattern, PixelOrder};
@@ -63,6 +63,7 @@ names! {
         "half-even" => Self::HalfEven, "half-up" => Self::HalfUp, "truncate" => Self::Truncate,
     }
     AddressMode, "wrap" { "wrap" => Self::Wrap, "clamp" => Self::Clamp, "clip" => Self::Clip, "mirror" => Self::Mirror }
+    LodSource, "LOD source" { "explicit" => Self::Explicit, "gradient" => Self::Gradient }
     Log2, "log2 unit" { "exact" => Self::Exact, "herf" => Self::Herf, "ilog2" => Self::Ilog2 }
     LevelRounding, "level rounding" { "floor" => Self::Floor, "nearest" => Self::Nearest, "gl" => Self::Gl }
     Rounding, "rounding" {
