@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{self, BufRead, BufReader, Read},
+    io::{self, BufRead, BufReader, Read, Write},
     path::{Path, PathBuf},
 };
 
@@ -28,6 +28,18 @@ impl AddressFormat {
             Some("din") => Self::Din,
             Some("u32") => Self::U32,
             _ => Self::U64,
+        }
+    }
+
+    /// Writes one address, as a read where the format can say so. Of a u32 the low 32 bits are written.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write(self, address: u64, out: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Self::U64 => out.write_all(&address.to_le_bytes()),
+            Self::U32 => out.write_all(&(address as u32).to_le_bytes()),
+            Self::Din => writeln!(out, "0 {address:x}"),
         }
     }
 }

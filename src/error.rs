@@ -1,13 +1,16 @@
 //! What can go wrong outside the chip: every message names the file, the key or line, the value, and what would be right.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::ErrorKind,
+    path::{Path, PathBuf},
+};
 
 /// An error a user can mend.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A file could not be read or written.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}{}", path.display(), io_remedy(source.kind()))]
     Io {
         /// The file.
         path: PathBuf,
@@ -44,6 +47,23 @@ pub enum Error {
     /// The reader of our output went away, or Ctrl-C: not a failure of ours.
     #[error("interrupted; what was finished is in {}", .0.display())]
     Interrupted(PathBuf),
+}
+
+/// What can be done about the failures that a user meets.
+const fn io_remedy(kind: ErrorKind) -> &'static str {
+    match kind {
+        ErrorKind::NotFound => "\n  help: check the path, and that the folder it names exists",
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            "\n  help: name a place that you may read and write"
+        }
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
+            "\n  help: a file stands where a folder is meant: name another place"
+        }
+        ErrorKind::IsADirectory => "\n  help: name a file, this is a folder",
+        ErrorKind::InvalidData => "\n  help: a text file in UTF-8 is meant",
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "\n  help: make room, or name another place",
+        _ => "",
+    }
 }
 
 /// What fallible functions outside the chip return.

@@ -19,3 +19,4 @@ pub mod texture_memory;
 pub mod timed_run;
 pub mod timing_output;
 pub mod timing_settings;
+pub mod trace;

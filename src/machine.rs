@@ -1,6 +1,6 @@
 //! The machine: every knob an architect turns, as one TOML file, with `--set section.key=value` on top.
 
-use std::{fs, path::Path};
+use std::{fs, ops::Range, path::Path};
 
 use serde::{Deserialize, Serialize};
 use texunit_hw::{
@@ -9,6 +9,7 @@ use texunit_hw::{
 
 use crate::{
     energy::EnergyTable,
+    annotated,
     error::{Error, Result},
     names::{Named, by_name},
     pyramid::Build,
@@ -169,6 +170,25 @@ pub fn policy_from_name(name: &str, seed: u64) -> Result<Policy, String> {
     }
 }
 
+/// Said with every error that a look at a whole machine would mend.
+const SEE_EXPLAIN: &str = "`texunit explain` lists every key with its value";
+
+/// Where the value of a dotted key stands in a TOML text.
+fn value_span(source: &str, key: &str) -> Option<Range<usize>> {
+    let table = toml::de::DeTable::parse(source).ok()?;
+    let mut inner = table.get_ref();
+    let mut keys = key.split('.').peekable();
+    loop {
+        let key = keys.next()?;
+        let (_, value) = inner.iter().find(|(name, _)| name.get_ref() == key)?;
+        match (keys.peek(), value.get_ref()) {
+            (None, _) => return Some(value.span()),
+            (Some(_), toml::de::DeValue::Table(below)) => inner = below,
+            (Some(_), _) => return None,
+        }
+    }
+}
+
 /// The machines that ship with texunit, with their files.
 pub const PROFILES: &[(&str, &str)] = &[
     ("herf-12.20", include_str!("../hw/profiles/herf-12.20.toml")),
@@ -195,17 +215,39 @@ impl Machine {
                 return Err(Error::setting("machine", profile, "neither a machine that ships nor a file", remedy));
             }
         };
-        let machine: Self = toml::from_str(&text).map_err(|error| Error::Rendered(format!("{profile}: {error}")))?;
-        let machine = settings.iter().try_fold(machine, |machine, setting| machine.set(setting))?;
+        Self::parse(Path::new(profile), &text)?.with_settings(settings)
+    }
+
+    /// A machine from the text of its file; `path` is for messages.
+    ///
+    /// # Errors
+    /// An unknown key or a value out of range, shown in its line.
+    pub fn parse(path: &Path, source: &str) -> Result<Self> {
+        let machine: Self =
+            toml::from_str(source).map_err(|found| annotated::toml_error(path, source, &found, SEE_EXPLAIN))?;
+        machine.check().map_err(|error| match error {
+            Error::Setting { key, value, problem, remedy } => {
+                let span = value_span(source, &key).unwrap_or(0..0);
+                annotated::error(path, source, span, format!("`{key}` is {value}"), problem, remedy)
+            }
+            other => other,
+        })?;
+        Ok(machine)
+    }
+
+    /// The same machine with settings on top, each `section.key=value`, as `--set` takes them.
+    ///
+    /// # Errors
+    /// An unknown key or a value out of range.
+    pub fn with_settings(&self, settings: &[String]) -> Result<Self> {
+        let machine = settings.iter().try_fold(self.clone(), |machine, setting| machine.set(setting))?;
         machine.check()?;
         Ok(machine)
     }
 
     /// One `section.key=value` on top.
     fn set(&self, setting: &str) -> Result<Self> {
-        let bad = |problem: String| {
-            Error::setting("--set", setting, problem, "`texunit explain` lists every key with its value")
-        };
+        let bad = |problem: String| Error::setting("--set", setting, problem, SEE_EXPLAIN);
         let (path, value) = setting
             .split_once('=')
             .ok_or_else(|| bad("no `=` in it: write section.key=value, for instance cache.ways=8".into()))?;
@@ -218,25 +260,25 @@ impl Machine {
         let mut keys = path.split('.').peekable();
         let mut place = &mut table;
         while let Some(key) = keys.next() {
-            if !place.contains_key(key) {
-                let known: Vec<_> = place.keys().cloned().collect();
-                return Err(bad(format!("there is no key `{key}` here, only {}", known.join(", "))));
-            }
-            let entry = &mut place[key];
             if keys.peek().is_none() {
-                // An integer is welcome where a number is meant.
-                *entry = match (&*entry, value.as_integer()) {
-                    (toml::Value::Float(_), Some(integer)) => toml::Value::Float(integer as f64),
+                // An integer is welcome where a number is meant. A key that is not there may be one without a default value.
+                let value = match (place.get(key), value.as_integer()) {
+                    (Some(toml::Value::Float(_)), Some(integer)) => toml::Value::Float(integer as f64),
                     _ => value.clone(),
                 };
+                place.insert(key.to_owned(), value);
                 break;
             }
+            let known = place.keys().cloned().collect::<Vec<_>>().join(", ");
+            let Some(entry) = place.get_mut(key) else {
+                return Err(bad(format!("there is no section `{key}` here, only {known}")));
+            };
             place = match entry {
                 toml::Value::Table(inner) => inner,
                 _ => return Err(bad(format!("`{key}` is a value, not a section"))),
             };
         }
-        table.try_into().map_err(|error| bad(error.to_string()))
+        table.try_into().map_err(|error: toml::de::Error| bad(error.message().to_owned()))
     }
 
     /// Refuses what no unit can be built for.
@@ -265,13 +307,14 @@ impl Machine {
             let (low, high) = error.range;
             return Err(Error::setting(key, error.value, "out of range", format!("use {low} to {high}")));
         }
-        self.cache
-            .policy()
-            .map_err(|problem| Error::setting("cache.policy", &self.cache.policy, problem, "see above"))?;
-        self.cache.geometry().check().map_err(|error| {
-            let shape = format!("{} sets x {} ways x {} bytes", self.cache.sets, self.cache.ways, self.cache.line);
-            Error::setting("cache", shape, error.to_string(), "for instance 64 sets, 4 ways, 64 bytes a line")
+        self.cache.policy().map_err(|_| {
+            Error::setting("cache.policy", &self.cache.policy, "no such policy", "use lru, fifo, plru or random")
         })?;
+        self.cache.geometry().check().map_err(|error| {
+            Error::setting(format!("cache.{}", error.key), error.value, error.problem, error.remedy)
+        })?;
+        let build = &self.texture.pyramid;
+        build.kernel.width(build.width)?;
         timing_settings::check(&self.timing, &self.memory, self.cache.line, self.texture.format.element_bytes())?;
         self.energy.check()
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeTuple};
 use texunit_hw::timing::{BankHash, Mapping, Mode, Page};
-use texunit_hw::{AddressMode, Filter, Format, Layout, LevelRounding, Log2, PyramidKind, Rounding};
+use texunit_hw::{AddressMode, Filter, Format, Layout, LevelRounding, LodSource, Log2, PyramidKind, Rounding};
 
 use crate::timing_settings::MemoryKind;
 
@@ -71,6 +71,7 @@ names! {
         "half-even" => Self::HalfEven, "half-up" => Self::HalfUp, "truncate" => Self::Truncate,
     }
     AddressMode, "wrap" { "wrap" => Self::Wrap, "clamp" => Self::Clamp, "clip" => Self::Clip, "mirror" => Self::Mirror }
+    LodSource, "LOD source" { "explicit" => Self::Explicit, "gradient" => Self::Gradient }
     Log2, "log2 unit" { "exact" => Self::Exact, "herf" => Self::Herf, "ilog2" => Self::Ilog2 }
     LevelRounding, "level rounding" { "floor" => Self::Floor, "nearest" => Self::Nearest, "gl" => Self::Gl }
     Rounding, "rounding" {

@@ -39,3 +39,23 @@ pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Re
 pub fn create_folder(path: &Path) -> Result<()> {
     fs::create_dir_all(path).map_err(Error::io(path))
 }
+
+/// Writes results to standard output. A reader that has gone away, such as `head`, had enough of them: no error.
+///
+/// # Errors
+/// [`Error::Io`] naming standard output.
+pub fn print(fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
+    let mut output = BufWriter::new(std::io::stdout().lock());
+    match fill(&mut output).and_then(|()| output.flush()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => other.map_err(Error::io("standard output")),
+    }
+}
+
+/// Writes to a file, whole or not at all, or to standard output where the path is `-`.
+///
+/// # Errors
+/// [`Error::Io`] naming the target.
+pub fn write_or_print(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
+    if path.as_os_str() == "-" { print(fill) } else { write_whole(path, fill) }
+}

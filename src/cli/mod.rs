@@ -2,12 +2,14 @@
 
 mod cache;
 mod drift;
+mod explain;
 mod kernels;
 mod mips;
 mod run;
 mod sample;
 mod scenes;
 mod time;
+mod trace;
 mod verify;
 
 use std::process::ExitCode;
@@ -29,11 +31,13 @@ enum Command {
     Cache(cache::Args),
     Scenes(scenes::Args),
     Drift(drift::Args),
+    Explain(explain::Args),
     Kernels(kernels::Args),
     Mips(mips::Args),
     Run(run::Args),
     Sample(sample::Args),
     Time(Box<time::Args>),
+    Trace(trace::Args),
     Verify(verify::Args),
 }
 
@@ -41,7 +45,7 @@ enum Command {
 #[derive(Debug, clap::Args)]
 struct MachineArgs {
     /// Machine: a name that ships (`texunit explain` lists them) or a TOML file
-    #[arg(long, short, value_name = "NAME|FILE", default_value = "herf-12.20")]
+    #[arg(long, short, value_name = "NAME|FILE", default_value = Self::DEFAULT)]
     machine: String,
     /// One setting on top of the machine, for instance cache.ways=8; may be given more than once
     #[arg(long, value_name = "KEY=VALUE")]
@@ -49,6 +53,9 @@ struct MachineArgs {
 }
 
 impl MachineArgs {
+    /// The machine of those who do not care.
+    const DEFAULT: &str = "herf-12.20";
+
     fn load(&self) -> Result<Machine> {
         Machine::load(&self.machine, &self.set)
     }
@@ -62,11 +69,13 @@ pub fn main() -> ExitCode {
         Command::Cache(args) => cache::run(args),
         Command::Scenes(args) => scenes::run(args),
         Command::Drift(args) => drift::run(args),
+        Command::Explain(args) => explain::run(&args),
         Command::Kernels(args) => kernels::run(args),
         Command::Mips(args) => mips::run(args),
         Command::Run(args) => run::run(&args),
         Command::Sample(args) => sample::run(&args),
         Command::Time(args) => time::run(&args),
+        Command::Trace(args) => trace::run(&args),
         Command::Verify(args) => verify::run(&args),
     };
     outcome.unwrap_or_else(|error| {

@@ -1,7 +1,9 @@
 //! `texunit run`: the main job.
 
 use std::{
-    path::{Path, PathBuf},
+    fs::{File, TryLockError},
+    io::Write,
+    path::{Component, Path, PathBuf},
     process::ExitCode,
     sync::atomic::{AtomicBool, Ordering},
 };
@@ -15,7 +17,7 @@ use crate::{
     experiment::{Bench, Outcome, Pyramids, Stage, report},
     machine::{Machine, parser},
     names::Named,
-    output::{create_folder, write_whole},
+    output::{create_folder, print, write_whole},
     scene::Scene,
 };
 
@@ -67,6 +69,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         args.filters.clone()
     };
     create_folder(&args.output)?;
+    let _lock = lock(&args.output)?;
     let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
     let progress = ProgressBar::new((scenes.len() * filters.len()) as u64).with_style(
         ProgressStyle::with_template("{bar:24} {pos}/{len} {msg} (about {eta} left)")
@@ -82,6 +85,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         progress.set_message(format!("{}: ground truth", scene.name));
         let stage = Stage::new(scene);
         let pyramids = Pyramids::for_filters(&machine, &stage.top, &filters)?;
+        written.truth(&stage)?;
         let mut outcomes = Vec::new();
         for &filter in &filters {
             if STOP.load(Ordering::Relaxed) {
@@ -97,18 +101,18 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         written.report(&stage, &outcomes)?;
         mismatches += outcomes.iter().map(|outcome| outcome.mismatches).sum::<u64>();
         if !args.json {
-            progress.suspend(|| print_scene(&stage, &outcomes));
+            progress.suspend(|| print(|out| print_scene(out, &stage, &outcomes)))?;
         }
     }
     progress.finish_and_clear();
     if args.json {
-        println!("{:#}", written.json());
+        print(|out| writeln!(out, "{:#}", written.json()))?;
     }
     if written.scenes.len() < count || STOP.load(Ordering::Relaxed) {
         return Err(Error::Interrupted(args.output.clone()));
     }
     if !args.json {
-        println!("\nReports and images: {}", args.output.display());
+        print(|out| writeln!(out, "\nReports and images: {}", args.output.display()))?;
     }
     Ok(if mismatches == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
@@ -125,14 +129,41 @@ fn scenes(names: &[String], size: Option<[u32; 2]>) -> Result<Vec<Scene>> {
             scene.size = size;
         }
     }
+    for (number, Scene { name, .. }) in scenes.iter().enumerate() {
+        let wrong = |problem, remedy| Err(Error::setting("scene.name", name, problem, remedy));
+        // Each scene has a folder of its name for its images.
+        let mut parts = Path::new(name).components();
+        if !matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None)) || name.contains(['/', '\\']) {
+            return wrong("not the name of a folder", "name the scene without slashes, for instance my-floor");
+        }
+        if scenes[..number].iter().any(|other| other.name == *name) {
+            return wrong("two scenes have this name", "run each scene once, and give every scene a name of its own");
+        }
+    }
     Ok(scenes)
 }
 
-fn print_scene(stage: &Stage, outcomes: &[Outcome]) {
+/// Keeps a second run out of the folder until the file returned is dropped: their reports and images would mix.
+fn lock(folder: &Path) -> Result<File> {
+    let path = folder.join(".texunit-lock");
+    let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(Error::io(&path))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => {
+            let problem = "another texunit run is writing there";
+            Err(Error::setting("--output", folder.display(), problem, "wait for it, or give another folder"))
+        }
+        // A file system without locks: better unguarded than not at all.
+        Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
+fn print_scene(out: &mut dyn Write, stage: &Stage, outcomes: &[Outcome]) -> std::io::Result<()> {
     let coverage = &stage.coverage;
     let behind =
         if coverage.behind > 0 { format!(", {} behind the eye and left out", coverage.behind) } else { String::new() };
-    println!(
+    writeln!(
+        out,
         "\n{}: {}\n{} x {}, {} pixels covered{behind}; errors against {} samples a pixel of the unfiltered texture",
         stage.scene.name,
         stage.scene.description,
@@ -140,16 +171,17 @@ fn print_scene(stage: &Stage, outcomes: &[Outcome]) {
         stage.scene.size[1],
         coverage.covered,
         stage.scene.ground_truth.samples * stage.scene.ground_truth.samples,
-    );
-    println!("{}", report::table(outcomes));
+    )?;
+    writeln!(out, "{}", report::table(outcomes))?;
     for outcome in outcomes {
         if outcome.undefined > 0 {
-            println!("{}: {} coordinates without a place", outcome.filter.name(), outcome.undefined);
+            writeln!(out, "{}: {} coordinates without a place", outcome.filter.name(), outcome.undefined)?;
         }
         if let Some(first) = outcome.first_mismatch {
-            println!("{}: {} MISMATCHES; the first: {first:?}", outcome.filter.name(), outcome.mismatches);
+            writeln!(out, "{}: {} MISMATCHES; the first: {first:?}", outcome.filter.name(), outcome.mismatches)?;
         }
     }
+    Ok(())
 }
 
 /// What has been written so far.
@@ -161,13 +193,16 @@ struct Written<'a> {
 }
 
 impl Written<'_> {
-    /// Image and difference of one filter; the ground truth beside the first.
+    /// The ground truth of a scene.
+    fn truth(&self, stage: &Stage) -> Result<()> {
+        let folder = self.folder.join(&stage.scene.name);
+        create_folder(&folder)?;
+        write_png(&folder.join("truth.png"), &stage.truth.image())
+    }
+
+    /// Image and difference of one filter.
     fn images(&self, stage: &Stage, outcome: &Outcome) -> Result<()> {
         let folder = self.folder.join(&stage.scene.name);
-        if !folder.join("truth.png").exists() {
-            create_folder(&folder)?;
-            write_png(&folder.join("truth.png"), &stage.truth.image())?;
-        }
         let name = outcome.filter.name();
         let picture = stage.picture(outcome.responses.iter().map(|response| response.texel));
         write_png(&folder.join(format!("{name}.png")), &picture)?;

@@ -6,7 +6,7 @@ use comfy_table::{CellAlignment, Table, presets};
 
 use crate::{
     error::{Error, Result},
-    output::write_whole,
+    output::{print, write_whole},
     scene::Scene,
 };
 
@@ -30,7 +30,10 @@ pub struct Args {
 /// An unknown scene, or a file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode> {
     match (args.show, args.texture.zip(args.output)) {
-        (Some(name), _) => print!("{}", Scene::builtin_source(&name)?),
+        (Some(name), _) => {
+            let source = Scene::builtin_source(&name)?;
+            print(|out| out.write_all(source.as_bytes()))?;
+        }
         (None, Some((name, path))) => {
             let image = Scene::find(&name)?.texture.image();
             write_whole(&path, |file| {
@@ -38,7 +41,10 @@ pub fn run(args: Args) -> Result<ExitCode> {
                 image.write_with_encoder(encoder).map_err(std::io::Error::other)
             })?;
         }
-        (None, None) => println!("{}", list()?),
+        (None, None) => {
+            let list = list()?;
+            print(|out| writeln!(out, "{list}"))?;
+        }
     }
     Ok(ExitCode::SUCCESS)
 }

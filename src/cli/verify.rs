@@ -11,6 +11,7 @@ use crate::{
     experiment::verify::{Finding, combinations, compare, random_subjects, scene_subjects},
     machine::parser,
     names::Named,
+    output::print,
     scene::Scene,
 };
 
@@ -72,14 +73,17 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             .iter()
             .map(|row| serde_json::json!({ "filter": row.filter, "compared": row.compared, "mismatches": row.mismatches }))
             .collect();
-        println!("{:#}", serde_json::json!({ "compared": compared, "mismatches": mismatches, "filters": filters }));
+        let report = serde_json::json!({ "compared": compared, "mismatches": mismatches, "filters": filters });
+        print(|out| writeln!(out, "{report:#}"))?;
     } else {
-        println!("{}", table(&rows));
-        println!(
-            "{compared} samples compared in {} combinations on {} textures, {mismatches} mismatches",
-            combinations.len(),
-            subjects.len()
-        );
+        let (runs, textures) = (combinations.len(), subjects.len());
+        print(|out| {
+            writeln!(out, "{}", table(&rows))?;
+            writeln!(
+                out,
+                "{compared} samples compared in {runs} combinations on {textures} textures, {mismatches} mismatches"
+            )
+        })?;
     }
     if let Some(finding) = findings.iter().find(|finding| finding.mismatches > 0) {
         let Finding { combination, subject, first, .. } = finding;

@@ -1,0 +1,81 @@
+//! The head of a trace: everything an answer depends on beside the request.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use texunit_hw::{AddressMode, Filter, LodSource, Sampler};
+
+use super::TracedTexture;
+use crate::{
+    error::Result,
+    front_end::FrontEnd,
+    machine::Machine,
+    names::{by_name, by_name_per_axis},
+    pyramid::PlaneImage,
+    scene::Scene,
+};
+
+/// Machine, sampler and texture of a trace.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Profile {
+    /// The scene the requests come from: for people, nothing depends on it.
+    #[serde(default)]
+    pub scene: String,
+    /// The filter.
+    #[serde(with = "by_name")]
+    pub filter: Filter,
+    /// Address modes of u and v.
+    #[serde(with = "by_name_per_axis")]
+    pub wrap: [AddressMode; 2],
+    /// How `scale` is read.
+    #[serde(with = "by_name")]
+    pub lod_source: LodSource,
+    /// What the texture is.
+    pub texture: TracedTexture,
+    /// The machine: widths, roundings, layout, cache. A key that is not said has the value of the default machine, so that
+    /// traces stay readable when machines learn more.
+    pub machine: Machine,
+}
+
+impl Profile {
+    /// For the requests a scene makes of a filter, in a trace that lies in `folder`.
+    ///
+    /// # Errors
+    /// A texture file that is there no more.
+    pub fn of_scene(
+        scene: &Scene,
+        machine: &Machine,
+        filter: Filter,
+        wrap: [AddressMode; 2],
+        folder: &Path,
+    ) -> Result<Self> {
+        let top = PlaneImage::of_image(&scene.texture.image());
+        Ok(Self {
+            scene: scene.name.clone(),
+            filter,
+            wrap,
+            lod_source: LodSource::Gradient,
+            texture: TracedTexture::new(&scene.texture, &top, folder)?,
+            machine: machine.clone(),
+        })
+    }
+
+    /// The sampler state.
+    #[must_use]
+    pub fn sampler(&self) -> Sampler {
+        self.machine.sampler(self.filter, self.wrap, self.lod_source)
+    }
+
+    /// What makes requests of fragments.
+    #[must_use]
+    pub fn front_end(&self) -> FrontEnd {
+        FrontEnd {
+            filter: self.filter,
+            address: self.wrap,
+            norm: self.machine.lod.norm,
+            rule: self.machine.lod.dipmap_rule,
+            size: self.texture.size,
+        }
+    }
+}
