@@ -211,9 +211,9 @@ pub fn compare(
         .par_iter()
         .map(|&(kind, format)| {
             let pyramid = pyramids.iter().find(|pyramid| pyramid.kind == kind).expect("made above");
-            match subject.stream {
-                Stream::Random { seed, .. } if format != Format::Rgba8 => random_elements(pyramid, format, seed),
-                _ => Stored::encode(pyramid, format),
+            match format {
+                Format::Rgba8 => Stored::encode(pyramid, format),
+                _ => random_elements(pyramid, format),
             }
         })
         .collect();
@@ -287,17 +287,19 @@ fn compare_one(
     })
 }
 
-/// Planes of the sizes of a pyramid with every bit of every element, and of the palette, free.
-fn random_elements(pyramid: &Pyramid, format: Format, seed: u64) -> Stored {
+/// Planes of the sizes of a pyramid with every bit of every element, and of the palette, free: what a decoder is to be tried with, and
+/// no encoder would write.
+fn random_elements(pyramid: &Pyramid, format: Format) -> Stored {
     let Pyramid { kind, width, height, .. } = *pyramid;
-    let mut random = SplitMix(!seed);
+    let mut random = SplitMix(u64::from(width) << 32 | u64::from(height));
     let palette =
         (format == Format::Palette8).then(|| Box::new(std::array::from_fn(|_| (random.draw() as u32).to_le_bytes())));
     let planes = planes_of(kind, width, height)
         .into_iter()
         .map(|(lu, lv)| {
             let [width, height] = [(width >> lu).max(1), (height >> lv).max(1)];
-            let elements = (0..plane_bytes(format, width, height)).map(|_| random.draw() as u8).collect();
+            let bytes = plane_bytes(format, width, height) as usize;
+            let elements = std::iter::repeat_with(|| random.draw().to_le_bytes()).flatten().take(bytes).collect();
             StoredPlane { lu, lv, width, height, elements }
         })
         .collect();

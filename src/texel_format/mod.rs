@@ -61,7 +61,7 @@ pub const fn plane_bytes(format: Format, width: u32, height: u32) -> u64 {
 }
 
 impl Stored {
-    /// Every plane in the nearest codes of a format. The palette is made for the texture itself and serves all planes.
+    /// Every plane in the nearest codes of a format. One palette serves all planes.
     #[must_use]
     pub fn encode(pyramid: &Pyramid, format: Format) -> Self {
         Self::encode_beside(pyramid, format, None)
@@ -73,7 +73,7 @@ impl Stored {
         let given = given.filter(|given| given.format == format);
         let palette = (format == Format::Palette8).then(|| {
             let own = given.and_then(|given| given.palette.clone());
-            own.unwrap_or_else(|| Box::new(palette::of_texture(&pyramid.planes[0])))
+            own.unwrap_or_else(|| Box::new(palette::of_pyramid(pyramid)))
         });
         let encoder = encode::Encoder::new(format, palette.as_deref());
         let planes = pyramid

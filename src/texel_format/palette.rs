@@ -3,30 +3,37 @@
 use rayon::prelude::*;
 use texunit_hw::Palette;
 
-use crate::pyramid::PlaneImage;
+use crate::pyramid::Pyramid;
 
 /// A colour and how many texels have it.
 type Counted = ([u8; 4], u64);
 
-/// The colours of a texture if it has no more than 256, in rising order of (red, green, blue, alpha); otherwise those of a median
-/// cut (Heckbert 1982).
+/// The colours of a texture if it has no more than 256, in rising order of (red, green, blue, alpha), followed by as many more as
+/// there is room for from the colours of its smaller planes; otherwise 256 for the texture itself. What has to be chosen is chosen by
+/// a median cut (Heckbert 1982).
 ///
 /// The box with the largest product of longest side and texels is cut across that side, where half of its texels are on either
-/// hand, until there are 256; each gives the mean of its texels, rounded half up. Of equals the first box and the first channel.
+/// hand, until there are enough; each gives the mean of its texels, rounded half up. Of equals the first box and the first channel.
 /// Places left over repeat the last colour.
 #[must_use]
-pub fn of_texture(texture: &PlaneImage) -> Palette {
-    let mut texels = texture.texels.clone();
-    texels.par_sort_unstable();
-    let mut colours: Vec<Counted> =
-        texels.chunk_by(|a, b| a == b).map(|equal| (equal[0], equal.len() as u64)).collect();
-    let entries = if colours.len() <= 256 {
-        colours.iter().map(|&(colour, _)| colour).collect()
+pub fn of_pyramid(pyramid: &Pyramid) -> Palette {
+    let mut colours = counted(pyramid.planes[0].texels.clone());
+    let entries: Vec<[u8; 4]> = if colours.len() > 256 {
+        median_cut(&mut colours, 256)
     } else {
-        median_cut(&mut colours)
+        let own: Vec<[u8; 4]> = colours.iter().map(|&(colour, _)| colour).collect();
+        let others = pyramid.planes[1..].iter().flat_map(|plane| &plane.texels).copied();
+        let mut others = counted(others.filter(|texel| own.binary_search(texel).is_err()).collect());
+        let more = median_cut(&mut others, 256 - own.len());
+        own.into_iter().chain(more).collect()
     };
     let last = *entries.last().unwrap_or(&[0; 4]);
     std::array::from_fn(|number| entries.get(number).copied().unwrap_or(last))
+}
+
+fn counted(mut texels: Vec<[u8; 4]>) -> Vec<Counted> {
+    texels.par_sort_unstable();
+    texels.chunk_by(|a, b| a == b).map(|equal| (equal[0], equal.len() as u64)).collect()
 }
 
 /// The nearest colour by squared distance over all four channels; the lowest index of several.
@@ -90,9 +97,16 @@ impl<'c> Section<'c> {
     }
 }
 
-fn median_cut(colours: &mut [Counted]) -> Vec<[u8; 4]> {
+/// At most `entries` colours for these; they themselves if they are no more.
+fn median_cut(colours: &mut [Counted], entries: usize) -> Vec<[u8; 4]> {
+    if colours.len() <= entries {
+        return colours.iter().map(|&(colour, _)| colour).collect();
+    }
+    if entries == 0 {
+        return Vec::new();
+    }
     let mut sections = vec![Section::new(colours)];
-    while sections.len() < 256 {
+    while sections.len() < entries {
         let urgent = (0..sections.len()).rev().max_by_key(|&number| sections[number].urgency).unwrap_or(0);
         let [low, high] = sections.swap_remove(urgent).cut();
         sections.push(low);
