@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use ddsfile::{Caps2, D3D10ResourceDimension, D3DFormat, Dds, DxgiFormat};
+use ddsfile::{Caps2, D3D10ResourceDimension, D3DFormat, Dds, DxgiFormat, PixelFormat, PixelFormatFlags};
 use texunit_hw::Format;
 
 use super::elements::{Elements, Shape, stored, unsupported};
@@ -35,7 +35,7 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<Stored> {
             dxgi(format).ok_or_else(|| unsupported(path, format!("DXGI format {format:?}")))?
         }
         (None, Some(format)) => d3d(format).ok_or_else(|| unsupported(path, format!("D3D format {format:?}")))?,
-        (None, None) => return Err(unsupported(path, "this pixel format")),
+        (None, None) => luminance(&header.spf).ok_or_else(|| unsupported(path, "this pixel format"))?,
     };
     let shape = Shape { width: header.width, height: header.height, elements };
     let levels = header.mip_map_count.unwrap_or(1).max(1) as usize;
@@ -45,6 +45,15 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<Stored> {
         rest = below;
         Some(level)
     })
+}
+
+/// Grey with and without alpha, which `ddsfile` 0.6 writes but does not recognise: it asks for a red mask it did not read.
+fn luminance(format: &PixelFormat) -> Option<Elements> {
+    match (format.flags.contains(PixelFormatFlags::LUMINANCE), format.rgb_bit_count, format.a_bit_mask) {
+        (true, Some(8), None) => Some(Elements::As(Format::L8)),
+        (true, Some(16), Some(0xFF00)) => Some(Elements::As(Format::La8)),
+        _ => None,
+    }
 }
 
 fn d3d(format: D3DFormat) -> Option<Elements> {
@@ -57,9 +66,7 @@ fn d3d(format: D3DFormat) -> Option<Elements> {
         D3DFormat::R5G6B5 => Elements::As(Format::Rgb565),
         D3DFormat::A1R5G5B5 => Elements::As(Format::Argb1555),
         D3DFormat::A4R4G4B4 => Elements::As(Format::Argb4444),
-        D3DFormat::L8 => Elements::As(Format::L8),
         D3DFormat::A8 => Elements::As(Format::A8),
-        D3DFormat::A8L8 => Elements::As(Format::La8),
         D3DFormat::DXT1 => Elements::As(Format::Bc1),
         D3DFormat::DXT5 => Elements::As(Format::Bc3),
         _ => return None,
