@@ -15,6 +15,8 @@ pub mod pyramid;
 pub mod reference;
 pub mod report;
 pub mod scene;
+pub mod texel_format;
+pub mod texture_file;
 pub mod texture_memory;
 pub mod timed_run;
 pub mod timing_output;

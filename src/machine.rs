@@ -14,6 +14,7 @@ use crate::{
     names::{Named, by_name},
     pyramid::Build,
     scene::{AxisRule, Norm},
+    texture_memory::Decompress,
     timing_settings::{self, MemorySettings, TimingSettings},
 };
 
@@ -82,7 +83,7 @@ pub struct FilterWidths {
     pub brilinear_threshold: u8,
 }
 
-/// See docs/layouts.md and docs/numerics.md, section 8.
+/// See docs/layouts.md and docs/numerics.md, sections 8 and 10.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct Texture {
@@ -92,6 +93,10 @@ pub struct Texture {
     /// What a texel is stored as.
     #[serde(with = "by_name")]
     pub format: Format,
+    /// Where it becomes RGBA8: behind the cache or before it.
+    pub decompress: Decompress,
+    /// Whether colours are sRGB codes, made linear before they are filtered.
+    pub srgb: bool,
     /// How the planes are made.
     pub pyramid: Build,
 }

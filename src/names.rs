@@ -8,6 +8,7 @@ use crate::timing_settings::MemoryKind;
 
 use crate::pyramid::{From as PlanesFrom, Kernel, PlaneRounding};
 use crate::scene::{AxisRule, GradientMethod, MatrixStepping, Norm, Pattern, PixelOrder};
+use crate::texture_memory::Decompress;
 
 /// A closed set of choices, each with a name.
 pub trait Named: Copy + PartialEq + 'static {
@@ -77,7 +78,11 @@ names! {
     Rounding, "rounding" {
         "once" => Self::Once, "staged-round" => Self::StagedRound, "staged-truncate" => Self::StagedTruncate,
     }
-    Format, "format" { "rgba8" => Self::Rgba8 }
+    Format, "format" {
+        "rgba8" => Self::Rgba8, "rgb565" => Self::Rgb565, "argb1555" => Self::Argb1555, "argb4444" => Self::Argb4444,
+        "l8" => Self::L8, "a8" => Self::A8, "la8" => Self::La8, "palette8" => Self::Palette8,
+        "bc1" => Self::Bc1, "bc3" => Self::Bc3, "bc7" => Self::Bc7,
+    }
 }
 
 /// Names for types of this crate, which serde can then read and write without an attribute.
@@ -108,6 +113,7 @@ names_of_ours! {
     GradientMethod, "gradient method" {
         "analytic" => Self::Analytic, "forward" => Self::Forward, "quad" => Self::Quad,
     }
+    Decompress, "place to decompress" { "after-cache" => Self::AfterCache, "before-cache" => Self::BeforeCache }
     PixelOrder, "pixel order" { "scanline" => Self::Scanline, "tiles" => Self::Tiles, "morton" => Self::Morton }
     MatrixStepping, "matrix stepping" { "per-pixel" => Self::PerPixel, "forward-f32" => Self::ForwardF32 }
     Pattern, "pattern" { "checkerboard" => Self::Checkerboard, "pane" => Self::Pane, "natural" => Self::Natural }

@@ -40,6 +40,17 @@ pub struct Footprint {
     pub weight: u32,
     /// Storage index of the plane.
     pub plane: u16,
+    /// Where each of the four texels lies in its block, four bits each, the first lowest; 0 where elements are texels.
+    pub positions: u16,
+}
+
+impl Footprint {
+    /// Position in its block of one of the four texels.
+    #[inline]
+    #[must_use]
+    pub const fn position(&self, texel: usize) -> u32 {
+        (self.positions >> (4 * texel) & 15) as u32
+    }
 }
 
 /// Whether an address from a [`Footprint`] lies outside the texture (clip only).
@@ -55,13 +66,19 @@ pub struct AddressUnit {
     axes: Vec<[Axis; 2]>,
     tables: Vec<u64>,
     filter_bits: u32,
+    /// Entries carry the position in the block in their lowest four bits, below the byte offset.
+    blocks: bool,
 }
+
+/// Bits below the byte offset in an entry of a block format: 2 of x, 2 of y, which never carry.
+const POSITION_BITS: u32 = 4;
 
 impl AddressUnit {
     /// Fills the tables.
     #[must_use]
     pub fn new(surface: &Surface, modes: [AddressMode; 2], filter_bits: u8) -> Self {
         let mut tables = Vec::new();
+        let blocks = surface.format.log2_block() > 0;
         let axes = surface
             .planes
             .iter()
@@ -73,13 +90,20 @@ impl AddressUnit {
                     // The base is added once, by the u axis.
                     let base = if axis == 0 { plane.base } else { 0 };
                     tables.extend((FIRST_INDEX..=last + 1).map(|index| {
-                        resolve(index, size, modes[axis]).map_or(OUTSIDE, |texel| base + plane.offset(axis, texel))
+                        resolve(index, size, modes[axis]).map_or(OUTSIDE, |texel| {
+                            let offset = base + plane.offset(axis, texel);
+                            if blocks {
+                                offset << POSITION_BITS | u64::from(plane.position(axis, texel))
+                            } else {
+                                offset
+                            }
+                        })
                     }));
                     Axis { start, last, size, mask: period_mask(modes[axis]) }
                 })
             })
             .collect();
-        Self { axes, tables, filter_bits: filter_bits.into() }
+        Self { axes, tables, filter_bits: filter_bits.into(), blocks }
     }
 
     /// Byte offsets of the two texels of a bilinear tap on one axis, and the fraction.
@@ -99,12 +123,17 @@ impl AddressUnit {
         let [axis_u, axis_v] = &self.axes[plane];
         let ([left, right], fraction_u) = self.pair(axis_u, u);
         let ([top, bottom], fraction_v) = self.pair(axis_v, v);
-        Footprint {
+        let mut footprint = Footprint {
             address: [left + top, right + top, left + bottom, right + bottom],
             fraction: [fraction_u as u16, fraction_v as u16],
             weight,
             plane: plane as u16,
+            positions: 0,
+        };
+        if self.blocks {
+            split_positions(&mut footprint);
         }
+        footprint
     }
 
     /// A point tap.
@@ -116,7 +145,22 @@ impl AddressUnit {
             let index = texel_under(coordinate & axis.mask, axis.size).clamp(FIRST_INDEX, axis.last);
             self.tables[axis.start + (index - FIRST_INDEX) as usize]
         });
-        Footprint { address: [left + top, 0, 0, 0], fraction: [0; 2], weight, plane: plane as u16 }
+        let mut footprint =
+            Footprint { address: [left + top, 0, 0, 0], fraction: [0; 2], weight, plane: plane as u16, positions: 0 };
+        if self.blocks {
+            split_positions(&mut footprint);
+        }
+        footprint
+    }
+}
+
+/// Moves the positions from the low bits of the sums to a field of their own: from here on addresses are of bytes.
+fn split_positions(footprint: &mut Footprint) {
+    for (number, address) in footprint.address.iter_mut().enumerate() {
+        if !is_outside(*address) {
+            footprint.positions |= ((*address & ((1 << POSITION_BITS) - 1)) as u16) << (4 * number);
+            *address >>= POSITION_BITS;
+        }
     }
 }
 

@@ -10,13 +10,14 @@ pub type Texel = [u8; 4];
 
 /// Where the datapath gets its texels: the bytes of the data banks, in the layout and format of the surface.
 pub trait TexelSource {
-    /// The texel at an address inside the texture; `plane` is its storage index.
-    fn texel(&self, address: u64, plane: u16) -> Texel;
+    /// The texel at an address inside the texture; `plane` is its storage index, `position` its place in its block.
+    fn texel(&self, address: u64, plane: u16, position: u32) -> Texel;
 
-    /// The texel at an address, transparent black outside.
+    /// One of the four texels of a tap, transparent black outside.
     #[inline]
-    fn texel_or_outside(&self, address: u64, plane: u16) -> Texel {
-        if is_outside(address) { [0; 4] } else { self.texel(address, plane) }
+    fn texel_or_outside(&self, tap: &Footprint, number: usize) -> Texel {
+        let address = tap.address[number];
+        if is_outside(address) { [0; 4] } else { self.texel(address, tap.plane, tap.position(number)) }
     }
 }
 
@@ -53,8 +54,8 @@ pub(crate) fn filter(
     for tap in taps {
         let [f, g] = tap.fraction.map(u64::from);
         let mut corners = [[0u8; 4]; 4];
-        for (corner, &address) in corners.iter_mut().zip(&tap.address[..texels]) {
-            *corner = source.texel_or_outside(address, tap.plane);
+        for (number, corner) in corners[..texels].iter_mut().enumerate() {
+            *corner = source.texel_or_outside(tap, number);
         }
         for (channel, sum) in sums.iter_mut().enumerate() {
             let [c00, c10, c01, c11] = corners.map(|corner| u64::from(corner[channel]));
@@ -85,22 +86,22 @@ pub(crate) fn filter_packed(source: &impl TexelSource, taps: &[Footprint], texel
     let mut red_blue = 0u64;
     let mut green_alpha = 0u64;
     for tap in taps {
-        let mut add = |address: u64, weight: u64| {
-            let packed = u32::from_le_bytes(source.texel_or_outside(address, tap.plane));
+        let mut add = |number: usize, weight: u64| {
+            let packed = u32::from_le_bytes(source.texel_or_outside(tap, number));
             red_blue += (u64::from(packed & 0xFF) | u64::from(packed & 0x00FF_0000) << 16) * weight;
             green_alpha += (u64::from(packed >> 8 & 0xFF) | u64::from(packed >> 24) << 32) * weight;
         };
         let weight = u64::from(tap.weight);
         if texels == 1 {
-            add(tap.address[0], weight);
+            add(0, weight);
             continue;
         }
         let [f, g] = tap.fraction.map(u64::from);
         let [top, bottom] = [(256 - g) * weight, g * weight];
-        add(tap.address[0], (256 - f) * top);
-        add(tap.address[1], f * top);
-        add(tap.address[2], (256 - f) * bottom);
-        add(tap.address[3], f * bottom);
+        add(0, (256 - f) * top);
+        add(1, f * top);
+        add(2, (256 - f) * bottom);
+        add(3, f * bottom);
     }
     let shift = if texels == 1 { weight_bits } else { 16 + weight_bits };
     let half = half_of(shift) * 0x1_0000_0001;

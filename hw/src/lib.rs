@@ -22,14 +22,19 @@ mod probes;
 pub mod taps;
 
 pub mod address;
+mod bc7;
+mod block_compression;
 pub mod format;
 pub mod layout;
+pub mod srgb;
 pub mod surface;
 
 pub mod cache;
 
 pub mod datapath;
 pub mod memory;
+
+pub mod decompression;
 
 pub mod timing;
 
@@ -40,7 +45,7 @@ pub use cache::{Geometry, Policy};
 pub use coordinate::AddressMode;
 pub use datapath::Texel;
 pub use fixed::types::I12F20;
-pub use format::Format;
+pub use format::{Format, Palette};
 pub use layout::Layout;
 pub use request::{LodSource, Request, Response};
 pub use sampler::{Filter, LevelRounding, Log2, PyramidKind, Rounding, Sampler, SamplerError};

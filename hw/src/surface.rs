@@ -2,10 +2,10 @@
 //!
 //! Three pyramids are one: a plane is named by how often each axis was halved, and a pyramid is a set of planes.
 
-use alloc::vec::Vec;
+use alloc::{boxed::Box, vec::Vec};
 
 use crate::{
-    format::Format,
+    format::{Format, Palette},
     layout::{Arrangement, Layout},
     sampler::PyramidKind,
 };
@@ -48,19 +48,40 @@ pub struct Plane {
     /// Byte address of texel (0, 0).
     pub base: u64,
     arrangement: Arrangement,
+    format: Format,
+    /// Bytes of an element as this layout stores it.
     element_bytes: u32,
     /// Byte distance of the second and third read of a texel, for a layout that keeps channels apart.
     pub(crate) channels: [u64; 2],
 }
 
 impl Plane {
-    /// Bytes between the plane's base and the texel's, along one axis (0 for u, 1 for v).
+    /// Bytes between the plane's base and the texel's, or its block's, along one axis (0 for u, 1 for v).
     #[must_use]
     pub fn offset(&self, axis: usize, index: u32) -> u64 {
-        self.arrangement.offset(axis, index) * u64::from(self.element_bytes)
+        self.element_offset(axis, index >> self.format.log2_block())
     }
 
-    /// Byte address of the first byte of a texel.
+    /// Bytes between the plane's base and an element's, along one axis.
+    #[must_use]
+    pub fn element_offset(&self, axis: usize, element: u32) -> u64 {
+        self.arrangement.offset(axis, element) * u64::from(self.element_bytes)
+    }
+
+    /// What one axis adds to a texel's position in its block (see [`Format::decode`]): 0 where elements are texels.
+    #[must_use]
+    pub const fn position(&self, axis: usize, index: u32) -> u32 {
+        let within = index & ((1 << self.format.log2_block()) - 1);
+        if axis == 0 { within } else { within << self.format.log2_block() }
+    }
+
+    /// Elements along u and along v.
+    #[must_use]
+    pub fn elements(&self) -> [u32; 2] {
+        self.size().map(|texels| self.format.elements(texels))
+    }
+
+    /// Byte address of the first byte of a texel, or of its block.
     #[must_use]
     pub fn address(&self, x: u32, y: u32) -> u64 {
         self.base + self.offset(0, x) + self.offset(1, y)
@@ -82,6 +103,10 @@ pub struct Surface {
     pub layout: Layout,
     /// What a texel is stored as.
     pub format: Format,
+    /// The colours of a palette format; black without.
+    pub palette: Option<Box<Palette>>,
+    /// Whether colours are sRGB codes, made linear on their way from the cache to the filter.
+    pub srgb: bool,
     /// The planes in storage order.
     pub planes: Vec<Plane>,
     /// Bytes in all, padding included.
@@ -109,6 +134,8 @@ pub enum SurfaceError {
         /// Texels along v.
         height: u32,
     },
+    /// Williams' arrangement holds bytes of red, green and blue.
+    WilliamsFormat(Format),
     /// Blocks above 2^12 on a side, or a superblock smaller than its block.
     Block(Layout),
 }
@@ -126,6 +153,9 @@ impl core::fmt::Display for SurfaceError {
                 f,
                 "the williams layout holds the mipmap of a square texture, not the {kind:?} of {width} x {height}"
             ),
+            Self::WilliamsFormat(format) => {
+                write!(f, "the williams layout holds bytes of red, green and blue, and {format:?} has none")
+            }
             Self::Block(layout) => {
                 write!(f, "{layout:?}: blocks are at most 2^12 on a side and not larger than their superblock")
             }
@@ -172,7 +202,7 @@ impl Surface {
             .into_iter()
             .map(|(lu, lv)| {
                 let size = [(width >> lu).max(1), (height >> lv).max(1)];
-                let arrangement = Arrangement::new(layout, size);
+                let arrangement = Arrangement::new(layout, size.map(|texels| format.elements(texels)));
                 let plane = Plane {
                     lu,
                     lv,
@@ -180,6 +210,7 @@ impl Surface {
                     height: size[1],
                     base,
                     arrangement,
+                    format,
                     element_bytes: format.element_bytes(),
                     channels: [0; 2],
                 };
@@ -187,7 +218,8 @@ impl Surface {
                 plane
             })
             .collect();
-        Ok(Self { kind, layout, format, planes, bytes: base, last_levels: last_levels(width, height) })
+        let last_levels = last_levels(width, height);
+        Ok(Self { kind, layout, format, palette: None, srgb: false, planes, bytes: base, last_levels })
     }
 
     /// Williams 1983, figure 1: a square of one byte an element, twice the texture's side. Level l of side s has red at (s, 0), green at
@@ -195,6 +227,9 @@ impl Surface {
     fn williams(kind: PyramidKind, format: Format, width: u32, height: u32) -> Result<Self, SurfaceError> {
         if kind != PyramidKind::Mipmap || width != height {
             return Err(SurfaceError::Williams { kind, width, height });
+        }
+        if format != Format::Rgba8 {
+            return Err(SurfaceError::WilliamsFormat(format));
         }
         let pitch = 2 * u64::from(width);
         let planes = planes_of(kind, width, height)
@@ -210,13 +245,15 @@ impl Surface {
                     height: side,
                     base: red,
                     arrangement: Arrangement::rows(pitch, side),
+                    format,
                     element_bytes: 1,
                     channels: [green - red, green],
                 }
             })
             .collect();
         let bytes = pitch * pitch;
-        Ok(Self { kind, layout: Layout::Williams, format, planes, bytes, last_levels: last_levels(width, height) })
+        let (layout, last_levels) = (Layout::Williams, last_levels(width, height));
+        Ok(Self { kind, layout, format, palette: None, srgb: false, planes, bytes, last_levels })
     }
 
     /// Reads a texel takes: one, or one a channel where the layout keeps channels apart.

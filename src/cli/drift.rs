@@ -9,9 +9,9 @@ use crate::{
     pyramid::{
         PlaneImage,
         drift::{Averaging, Channel},
-        image_file,
     },
     scene::{Pattern, Procedural},
+    texture_file,
 };
 
 /// Mean drift of each rounding rule, and Flavell's darkening with and without its compensation
@@ -47,7 +47,7 @@ fn procedural(pattern: Pattern) -> PlaneImage {
 pub fn run(args: Args) -> Result<ExitCode> {
     let mut images = vec![("natural", procedural(Pattern::Natural)), ("pane", procedural(Pattern::Pane))];
     if let Some(path) = &args.image {
-        images.push(("image", image_file::load(path)?));
+        images.push(("image", texture_file::load(path)?.top));
     }
     let mut columns: Vec<(String, Channel)> = Vec::new();
     for bits in DEPTHS {

@@ -83,8 +83,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             break;
         }
         progress.set_message(format!("{}: ground truth", scene.name));
-        let stage = Stage::new(scene);
-        let pyramids = Pyramids::for_filters(&machine, &stage.top, &filters)?;
+        let stage = Stage::in_light(scene, machine.texture.srgb);
+        let pyramids = Pyramids::for_filters(&machine, &stage.texture, &filters)?;
         written.truth(&stage)?;
         let mut outcomes = Vec::new();
         for &filter in &filters {

@@ -14,14 +14,15 @@ use crate::{
     front_end::{FrontEnd, coordinates},
     machine::{Machine, parser, to_level},
     output::write_whole,
-    pyramid::{Pyramid, image_file},
+    pyramid::Pyramid,
     reference::{
         Reference,
         footprint::Footprint,
         ideal::{Detail, Ideal, IdealSampler},
     },
     scene::{Fragment, Gradient},
-    texture_memory::TextureMemory,
+    texture_file,
+    texture_memory::{Held, TextureMemory},
 };
 
 /// Sample a texture at coordinates from a CSV file.
@@ -31,7 +32,7 @@ use crate::{
 /// from 0 to 255 and `lod`, the level used; filters with a level per axis add `lod_v`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Image to sample, in any format texunit reads
+    /// Texture to sample: PNG, JPEG, BMP, TGA, PNM, GIF, KTX2 or DDS
     #[arg(long, value_name = "FILE")]
     texture: PathBuf,
     /// Filter: point, bilinear, nearest-mip, trilinear, dipmap, ...
@@ -83,15 +84,15 @@ const GRADIENT_COLUMNS: &[&str] = &["u", "v", "dudx", "dvdx", "dudy", "dvdy"];
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
     let address = [args.wrap, args.wrap_v.unwrap_or(args.wrap)];
-    let top = image_file::load(&args.texture)?;
-    let pyramid = machine.texture.pyramid.pyramid(args.filter.pyramid(), &top)?;
+    let texture = texture_file::load(&args.texture)?;
+    let Held { pyramid, memory } = machine.texture.hold(args.filter.pyramid(), &texture)?;
     let from_input: Box<dyn Read> = if args.input.as_os_str() == "-" {
         Box::new(io::stdin().lock())
     } else {
         Box::new(BufReader::new(File::open(&args.input).map_err(Error::io(&args.input))?))
     };
     let mut rows = Rows::new(&args.input, from_input)?;
-    let session = Session { args, machine: &machine, address, pyramid: &pyramid };
+    let session = Session { args, machine: &machine, address, pyramid: &pyramid, memory: &memory };
     if args.output.as_os_str() == "-" {
         let mut output = io::BufWriter::new(io::stdout().lock());
         session.answer(&mut rows, &mut output)?.map_or_else(
@@ -131,6 +132,7 @@ struct Session<'a> {
     machine: &'a Machine,
     address: [AddressMode; 2],
     pyramid: &'a Pyramid,
+    memory: &'a TextureMemory,
 }
 
 impl Session<'_> {
@@ -214,10 +216,10 @@ impl Session<'_> {
             let reference = Reference::new(self.pyramid, sampler)?;
             return Ok(Box::new(move |requests| requests.iter().map(|request| reference.sample(request)).collect()));
         }
-        let texture = TextureMemory::new(self.pyramid, self.machine.texture.layout, self.machine.texture.format)?;
         Ok(Box::new(move |requests| {
             let mut responses = vec![Response::default(); requests.len()];
-            let mut unit = Unit::new(sampler, &texture.surface, &texture.bytes).expect("the machine was checked");
+            let mut unit =
+                Unit::new(sampler, &self.memory.surface, &self.memory.bytes).expect("the machine was checked");
             unit.run(requests, &mut responses, &mut ());
             responses
         }))

@@ -1,6 +1,6 @@
 //! One scene through one filter of one machine: bits, hits, bytes, errors and host time.
 
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 use image::RgbaImage;
 use rayon::prelude::*;
@@ -26,7 +26,9 @@ use crate::{
         ideal::{Detail, Ideal, IdealSampler},
     },
     scene::{Coverage, Fragment, GroundTruth, Scene},
-    texture_memory::TextureMemory,
+    texel_format::srgb,
+    texture_file::TextureImage,
+    texture_memory::{Held, TextureMemory},
 };
 
 /// A scene with everything that does not depend on the filter.
@@ -39,7 +41,7 @@ pub struct Stage {
     /// Which pixels they cover.
     pub coverage: Coverage,
     /// Its texture.
-    pub top: PlaneImage,
+    pub texture: TextureImage,
     /// What an unlimited filter would show.
     pub truth: GroundTruth,
 }
@@ -48,11 +50,23 @@ impl Stage {
     /// Rasterizes a scene and renders its ground truth.
     #[must_use]
     pub fn new(scene: Scene) -> Self {
-        let image = scene.texture.image();
+        Self::in_light(scene, false)
+    }
+
+    /// The same; with `srgb` the ground truth is that of a texture of sRGB codes: linear light, as the filters answer then.
+    #[must_use]
+    pub fn in_light(scene: Scene, srgb: bool) -> Self {
+        let mut image = scene.texture.image();
+        let texture = TextureImage { top: PlaneImage::of_image(&image), own: scene.texture.own_levels() };
+        if srgb {
+            for pixel in Arc::make_mut(&mut image).pixels_mut() {
+                pixel.0 = srgb::linear_texel(pixel.0);
+            }
+        }
         let truth = GroundTruth::render(&scene, &image);
         let mut fragments = Vec::new();
         let coverage = scene.for_each_block(|block| fragments.extend_from_slice(block));
-        Self { top: PlaneImage::of_image(&image), scene, fragments, coverage, truth }
+        Self { texture, scene, fragments, coverage, truth }
     }
 
     /// The image of answers, fragment by fragment; what no fragment covers is transparent black, as in the paper.
@@ -188,7 +202,7 @@ impl<'s> Bench<'s> {
         let surface = &self.memory.surface;
         let mut unit = self.unit()?;
         let mut responses = vec![Response::default(); self.requests.len()];
-        let mut cache = cache(machine, surface.bytes_per_read())?;
+        let mut cache = self.memory.behind(cache(machine, surface.bytes_per_read())?);
         let begin = Instant::now();
         unit.run(&self.requests, &mut responses, &mut cache);
         let host_seconds = begin.elapsed().as_secs_f64();
@@ -208,7 +222,7 @@ impl<'s> Bench<'s> {
             memory: PyramidMemory {
                 texels: self.pyramid.planes.iter().map(|plane| plane.texels.len() as u64).sum(),
                 texture_texels: u64::from(self.pyramid.width) * u64::from(self.pyramid.height),
-                bytes: surface.bytes,
+                bytes: self.memory.stored_bytes(),
             },
             undefined: self.undefined,
             mismatches,
@@ -306,7 +320,7 @@ pub fn cache(machine: &Machine, bytes: u32) -> Result<TexelCache> {
 /// Pyramids of one texture, each made and laid out once.
 #[derive(Debug, Default)]
 pub struct Pyramids {
-    made: Vec<(PyramidKind, Pyramid, TextureMemory)>,
+    made: Vec<(PyramidKind, Held)>,
 }
 
 impl Pyramids {
@@ -314,13 +328,11 @@ impl Pyramids {
     ///
     /// # Errors
     /// A kernel or layout that cannot be built for this texture.
-    pub fn for_filters(machine: &Machine, top: &PlaneImage, filters: &[Filter]) -> Result<Self> {
-        let mut made: Vec<(PyramidKind, Pyramid, TextureMemory)> = Vec::new();
+    pub fn for_filters(machine: &Machine, texture: &TextureImage, filters: &[Filter]) -> Result<Self> {
+        let mut made: Vec<(PyramidKind, Held)> = Vec::new();
         for kind in filters.iter().map(|filter| filter.pyramid()) {
             if made.iter().all(|(known, ..)| *known != kind) {
-                let pyramid = machine.texture.pyramid.pyramid(kind, top)?;
-                let memory = TextureMemory::new(&pyramid, machine.texture.layout, machine.texture.format)?;
-                made.push((kind, pyramid, memory));
+                made.push((kind, machine.texture.hold(kind, texture)?));
             }
         }
         Ok(Self { made })
@@ -333,7 +345,7 @@ impl Pyramids {
     #[must_use]
     pub fn of(&self, filter: Filter) -> (&Pyramid, &TextureMemory) {
         let kind = filter.pyramid();
-        let (_, pyramid, memory) = self.made.iter().find(|(known, ..)| *known == kind).expect("made for this filter");
-        (pyramid, memory)
+        let (_, held) = self.made.iter().find(|(known, _)| *known == kind).expect("made for this filter");
+        (&held.pyramid, &held.memory)
     }
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use texunit_hw::{
-    AddressMode, Filter, I12F20, Layout, LevelRounding, LodSource, Log2, Request, Response, Rounding, Unit,
+    AddressMode, Filter, Format, I12F20, Layout, LevelRounding, LodSource, Log2, Request, Response, Rounding, Unit,
 };
 
 use super::Mismatch;
@@ -11,10 +11,11 @@ use crate::{
     front_end::FrontEnd,
     machine::Machine,
     names::{Named, layout_name},
-    pyramid::{PlaneImage, Pyramid},
+    pyramid::{PlaneImage, Pyramid, planes_of},
     reference::Reference,
     scene::{Fragment, Scene},
-    texture_memory::TextureMemory,
+    texel_format::{Stored, StoredPlane, plane_bytes},
+    texture_memory::{Decompress, Held, Storage},
 };
 
 /// What a combination draws its requests from.
@@ -62,8 +63,8 @@ pub struct Combination {
     pub address: [AddressMode; 2],
     /// Rounding of the datapath.
     pub rounding: Rounding,
-    /// Layout.
-    pub layout: Layout,
+    /// Layout, format, where it is decoded, and what colours mean.
+    pub storage: Storage,
     /// Log2 unit.
     pub log2: Log2,
     /// Rounding of whole levels.
@@ -93,12 +94,15 @@ impl std::fmt::Display for Combination {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{} {}/{} {} {} log2={} level-rounding={} filter-bits={} lod-bits={}",
+            "{} {}/{} {} {} {}{}{} log2={} level-rounding={} filter-bits={} lod-bits={}",
             self.filter.name(),
             self.address[0].name(),
             self.address[1].name(),
             self.rounding.name(),
-            layout_name(self.layout),
+            layout_name(self.storage.layout),
+            self.storage.format.name(),
+            if self.storage.decompress == Decompress::BeforeCache { " decompress=before-cache" } else { "" },
+            if self.storage.srgb { " srgb" } else { "" },
             self.log2.name(),
             self.level_rounding.name(),
             self.filter_bits,
@@ -117,9 +121,9 @@ pub const LAYOUTS: [Layout; 5] = [
 ];
 
 /// Every filter x address mode x rounding, each with its own pick of the other knobs: the picks go round with periods that share no
-/// factor with each other, so that over all combinations every pair of settings meets.
+/// factor with each other, so that over all combinations every pair of settings meets. A `format` given is the only one.
 #[must_use]
-pub fn combinations(filters: &[Filter]) -> Vec<Combination> {
+pub fn combinations(filters: &[Filter], format: Option<Format>) -> Vec<Combination> {
     let mut list = Vec::new();
     for &filter in filters {
         for (_, wrap) in AddressMode::ALL {
@@ -131,7 +135,12 @@ pub fn combinations(filters: &[Filter]) -> Vec<Combination> {
                     filter,
                     address: [*wrap, if turn % 7 == 6 { AddressMode::ALL[turn / 7 % 4].1 } else { *wrap }],
                     rounding: *rounding,
-                    layout: LAYOUTS[pick(LAYOUTS.len(), 5)],
+                    storage: Storage {
+                        layout: LAYOUTS[pick(LAYOUTS.len(), 5)],
+                        format: format.unwrap_or(Format::ALL[pick(Format::ALL.len(), 19)].1),
+                        decompress: Decompress::ALL[pick(2, 23)].1,
+                        srgb: pick(4, 29) == 3,
+                    },
                     log2: Log2::ALL[pick(Log2::ALL.len(), 11)].1,
                     level_rounding: LevelRounding::ALL[pick(3, 13)].1,
                     filter_bits: if default_widths { 8 } else { 1 + pick(12, 12) as u8 },
@@ -192,13 +201,29 @@ pub fn compare(
             pyramids.push(machine.texture.pyramid.pyramid(kind, &subject.top)?);
         }
     }
+    let mut wanted = Vec::new();
+    for Combination { filter, storage, .. } in combinations {
+        if !wanted.contains(&(filter.pyramid(), storage.format)) {
+            wanted.push((filter.pyramid(), storage.format));
+        }
+    }
+    let stored: Vec<Stored> = wanted
+        .par_iter()
+        .map(|&(kind, format)| {
+            let pyramid = pyramids.iter().find(|pyramid| pyramid.kind == kind).expect("made above");
+            match format {
+                Format::Rgba8 => Stored::encode(pyramid, format),
+                _ => random_elements(pyramid, format),
+            }
+        })
+        .collect();
     combinations
         .par_iter()
         .enumerate()
         .map(|(number, combination)| {
-            let kind = combination.filter.pyramid();
-            let pyramid = pyramids.iter().find(|pyramid| pyramid.kind == kind).expect("made above");
-            let finding = compare_one(machine, subject, pyramid, combination, number as u64)?;
+            let key = (combination.filter.pyramid(), combination.storage.format);
+            let stored = stored.iter().find(|stored| (stored.kind, stored.format) == key).expect("made above");
+            let finding = compare_one(machine, subject, stored, combination, number as u64)?;
             done(finding.compared);
             Ok(finding)
         })
@@ -208,7 +233,7 @@ pub fn compare(
 fn compare_one(
     machine: &Machine,
     subject: &Subject,
-    pyramid: &Pyramid,
+    stored: &Stored,
     combination: &Combination,
     number: u64,
 ) -> Result<Finding> {
@@ -225,7 +250,7 @@ fn compare_one(
                 address: combination.address,
                 norm: machine.lod.norm,
                 rule: machine.lod.dipmap_rule,
-                size: [pyramid.width, pyramid.height],
+                size: [stored.width, stored.height],
             };
             front_end.requests(fragments).0
         }
@@ -241,10 +266,10 @@ fn compare_one(
             (0..*count).map(|_| random_request(&mut random, sampler.lod_source)).collect()
         }
     };
-    let memory = TextureMemory::new(pyramid, combination.layout, machine.texture.format)?;
+    let Held { pyramid, memory } = Held::new(stored, &combination.storage)?;
     let mut unit = Unit::new(&sampler, &memory.surface, &memory.bytes)
         .map_err(|error| Error::setting("combination", combination, error.to_string(), "report this"))?;
-    let reference = Reference::new(pyramid, &sampler)?;
+    let reference = Reference::new(&pyramid, &sampler)?;
     let mut responses = vec![Response::default(); requests.len()];
     unit.run(&requests, &mut responses, &mut ());
     let mut differing = requests.iter().zip(&responses).filter_map(|(request, hw)| {
@@ -260,6 +285,25 @@ fn compare_one(
         mismatches,
         first,
     })
+}
+
+/// Planes of the sizes of a pyramid with every bit of every element, and of the palette, free: what a decoder is to be tried with, and
+/// no encoder would write.
+fn random_elements(pyramid: &Pyramid, format: Format) -> Stored {
+    let Pyramid { kind, width, height, .. } = *pyramid;
+    let mut random = SplitMix(u64::from(width) << 32 | u64::from(height));
+    let palette =
+        (format == Format::Palette8).then(|| Box::new(std::array::from_fn(|_| (random.draw() as u32).to_le_bytes())));
+    let planes = planes_of(kind, width, height)
+        .into_iter()
+        .map(|(lu, lv)| {
+            let [width, height] = [(width >> lu).max(1), (height >> lv).max(1)];
+            let bytes = plane_bytes(format, width, height) as usize;
+            let elements = std::iter::repeat_with(|| random.draw().to_le_bytes()).flatten().take(bytes).collect();
+            StoredPlane { lu, lv, width, height, elements }
+        })
+        .collect();
+    Stored { kind, width, height, format, palette, planes }
 }
 
 /// A request with every bit free; half of the coordinates near the texture, half of the ratios of a usual size.

@@ -41,7 +41,7 @@ pub fn read(path: &Path) -> Result<RgbaImage> {
             path,
             "image",
             format!("cannot be read as an image: {error}"),
-            "give a whole PNG, JPEG, BMP, TGA, PNM or GIF file",
+            "give a whole PNG, JPEG, BMP, TGA, PNM, GIF, KTX2 or DDS file",
         )
     };
     let mut reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(Error::io(path))?;
@@ -59,7 +59,7 @@ pub fn read(path: &Path) -> Result<RgbaImage> {
 }
 
 /// Refuses sizes no texture can have.
-fn check_size(path: &Path, width: u32, height: u32) -> Result<()> {
+pub(crate) fn check_size(path: &Path, width: u32, height: u32) -> Result<()> {
     let size = format!("{width} x {height} texels");
     if width == 0 || height == 0 {
         return Err(Error::file(path, "size", size, "a texture has at least one texel on each side"));
@@ -86,12 +86,4 @@ pub fn write_png(path: &Path, plane: &PlaneImage) -> Result<()> {
                 other => std::io::Error::other(other),
             })
     })
-}
-
-/// Writes a plane as raw RGBA8: four bytes a texel, row after row from the top, no header.
-///
-/// # Errors
-/// [`Error::Io`] naming the file, which is then as it was.
-pub fn write_raw(path: &Path, plane: &PlaneImage) -> Result<()> {
-    write_whole(path, |file| file.write_all(plane.texels.as_flattened()))
 }

@@ -4,7 +4,6 @@ use std::{
     fmt::Display,
     ops::{Range, RangeInclusive},
     path::{Path, PathBuf},
-    sync::Arc,
 };
 
 use serde::Deserialize;
@@ -289,11 +288,10 @@ impl Reader<'_> {
             return Err(self.error(span, format!("`{key}` is for procedural textures"), "of no use here", remedy));
         }
         let found = self.path.parent().unwrap_or(Path::new("")).join(path.get_ref());
-        let image = crate::pyramid::image_file::read(&found).map_err(|problem| {
+        TextureSource::read(found.clone()).map_err(|problem| {
             let problem = problem.to_string().replace("\n  help: ", "; ");
             let remedy = format!("the path is relative to the scene file: {} must be an image", found.display());
             self.error(path.span(), problem, "this texture", remedy)
-        })?;
-        Ok(TextureSource::File { path: found, image: Arc::new(image) })
+        })
     }
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use texunit_hw::AddressMode;
 
 use super::{natural, noise::unit_hash};
-use crate::names::by_name_per_axis;
+use crate::{error::Result, names::by_name_per_axis, texel_format::Stored, texture_file};
 
 /// The texture of a scene, and what happens beyond its edges.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,6 +34,9 @@ pub enum TextureSource {
         /// Its texels.
         #[serde(skip)]
         image: Arc<RgbaImage>,
+        /// The levels the file brought, if it is of a kind that does.
+        #[serde(skip)]
+        own: Option<Arc<Stored>>,
     },
 }
 
@@ -71,6 +74,15 @@ impl Texture {
         match &self.source {
             TextureSource::Procedural(procedural) => Arc::new(procedural.image()),
             TextureSource::File { image, .. } => Arc::clone(image),
+        }
+    }
+
+    /// The levels its file brought.
+    #[must_use]
+    pub fn own_levels(&self) -> Option<Arc<Stored>> {
+        match &self.source {
+            TextureSource::Procedural(_) => None,
+            TextureSource::File { own, .. } => own.clone(),
         }
     }
 
@@ -112,5 +124,18 @@ impl Procedural {
         let light = (0.75 + 0.5 * shade) * (1.1 - 0.35 * across) * streak;
         let [red, green, blue] = [38.0, 66.0, 98.0].map(|channel: f64| (channel * light).min(255.0) as u8);
         Rgba([red, green, blue, 255])
+    }
+}
+
+impl TextureSource {
+    /// A texture from any file [`texture_file::load`] reads.
+    ///
+    /// # Errors
+    /// Its errors.
+    pub fn read(path: PathBuf) -> Result<Self> {
+        let texture = texture_file::load(&path)?;
+        let [width, height] = [texture.top.width, texture.top.height];
+        let image = RgbaImage::from_raw(width, height, texture.top.texels.into_flattened());
+        Ok(Self::File { path, image: Arc::new(image.expect("width x height texels")), own: texture.own })
     }
 }

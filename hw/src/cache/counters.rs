@@ -5,7 +5,8 @@ use super::MissClasses;
 /// Totals of a [`super::TexelCache`].
 ///
 /// `lookups = hits + misses`; `misses = compulsory + capacity + conflict` where classes were asked for;
-/// `fills = misses`; `bytes_fetched = fills * line`; `bytes_used <= bytes_fetched` and `<= bytes_requested`.
+/// `fills = misses`; `bytes_filled = fills * line`; `bytes_used <= bytes_filled` and `<= bytes_requested`; `bytes_fetched` is
+/// `bytes_filled` unless a decompressor stands between memory and cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Texels asked for, one by one.
@@ -26,8 +27,10 @@ pub struct Counters {
     pub evictions: u64,
     /// Bytes of the texels asked for: what the memory would deliver if there were no cache.
     pub bytes_requested: u64,
-    /// Bytes of the lines fetched.
+    /// Bytes that came from memory.
     pub bytes_fetched: u64,
+    /// Bytes of the lines filled.
+    pub bytes_filled: u64,
     /// Of those, bytes of texels that were read before their line left, or so far if it has not; a line fetched twice
     /// counts twice. 0 where line use was not asked for.
     pub bytes_used: u64,

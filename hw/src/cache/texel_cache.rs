@@ -51,6 +51,14 @@ pub struct TexelCache {
 struct Meter {
     classifier: Option<MissClassifier>,
     line_use: Option<LineUse>,
+    fills: Option<Fills>,
+}
+
+/// What filling each line takes from memory.
+#[derive(Clone, Debug)]
+struct Fills {
+    by_line: Vec<u32>,
+    fetched: u64,
 }
 
 /// Lends the meter the row of the plane being read.
@@ -67,6 +75,9 @@ impl Observer for PlaneMeter<'_> {
         }
         if let Some(class) = self.meter.classifier.as_mut().and_then(|classifier| classifier.classify(line, outcome)) {
             self.row.classes.count(class);
+        }
+        if let (Some(fills), false) = (&mut self.meter.fills, outcome.is_hit()) {
+            fills.fetched += u64::from(fills.by_line.get(line as usize).copied().unwrap_or(0));
         }
         self.row.misses += u64::from(!outcome.is_hit());
     }
@@ -92,8 +103,16 @@ impl TexelCache {
         let cache = Cache::new(geometry, policy)?;
         let line_use = LineUse::new(geometry, texel)?;
         let classifier = if detail.classes { Some(MissClassifier::new(geometry)?) } else { None };
-        let meter = Meter { classifier, line_use: detail.line_use.then_some(line_use) };
+        let meter = Meter { classifier, line_use: detail.line_use.then_some(line_use), fills: None };
         Ok(Self { cache, texel, meter, planes: vec![] })
+    }
+
+    /// Has memory behind a decompressor: filling a line fetches as many bytes as its number's entry says, not a line of them
+    /// (see [`crate::decompression::fill_bytes`]).
+    #[must_use]
+    pub fn with_fill_bytes(mut self, by_line: Vec<u32>) -> Self {
+        self.meter.fills = Some(Fills { by_line, fetched: 0 });
+        self
     }
 
     /// Reads one texel of a plane by its byte address.
@@ -142,6 +161,7 @@ impl TexelCache {
     pub fn counters(&self) -> Counters {
         let (lookups, misses) = (self.cache.lookups(), self.cache.misses());
         let classes = self.meter.classifier.as_ref().map(MissClassifier::classes).unwrap_or_default();
+        let bytes_filled = misses * u64::from(self.cache.geometry().line);
         Counters {
             lookups,
             hits: lookups - misses,
@@ -152,7 +172,8 @@ impl TexelCache {
             fills: misses,
             evictions: self.cache.evictions(),
             bytes_requested: lookups * u64::from(self.texel),
-            bytes_fetched: misses * u64::from(self.cache.geometry().line),
+            bytes_fetched: self.meter.fills.as_ref().map_or(bytes_filled, |fills| fills.fetched),
+            bytes_filled,
             bytes_used: self.meter.line_use.as_ref().map_or(0, LineUse::bytes_used),
         }
     }
