@@ -27,6 +27,7 @@ pub mod layout;
 pub mod surface;
 
 pub mod cache;
+pub mod sweep;
 
 pub mod datapath;
 pub mod memory;
