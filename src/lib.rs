@@ -14,4 +14,5 @@ pub mod pyramid;
 pub mod reference;
 pub mod report;
 pub mod scene;
+pub mod sweep;
 pub mod texture_memory;

@@ -180,7 +180,15 @@ impl Machine {
             }
         };
         let machine: Self = toml::from_str(&text).map_err(|error| Error::Rendered(format!("{profile}: {error}")))?;
-        let machine = settings.iter().try_fold(machine, |machine, setting| machine.set(setting))?;
+        machine.with(settings)
+    }
+
+    /// This machine with settings of the form section.key=value on top.
+    ///
+    /// # Errors
+    /// An unknown key, a value out of range.
+    pub fn with(&self, settings: &[String]) -> Result<Self> {
+        let machine = settings.iter().try_fold(self.clone(), |machine, setting| machine.set(setting))?;
         machine.check()?;
         Ok(machine)
     }
