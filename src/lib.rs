@@ -17,6 +17,7 @@ pub mod report;
 pub mod scene;
 pub mod texel_format;
 pub mod texture_file;
+pub mod sweep;
 pub mod texture_memory;
 pub mod timed_run;
 pub mod timing_output;

@@ -30,6 +30,7 @@ pub mod srgb;
 pub mod surface;
 
 pub mod cache;
+pub mod sweep;
 
 pub mod datapath;
 pub mod memory;

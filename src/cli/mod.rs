@@ -10,11 +10,16 @@ mod sample;
 mod scenes;
 mod time;
 mod trace;
+mod sweep;
 mod verify;
 
-use std::process::ExitCode;
+use std::{
+    process::ExitCode,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 use clap::{Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{error::Result, machine::Machine};
 
@@ -30,6 +35,7 @@ struct Cli {
 enum Command {
     Cache(cache::Args),
     Scenes(scenes::Args),
+    Sweep(sweep::Args),
     Drift(drift::Args),
     Explain(explain::Args),
     Kernels(kernels::Args),
@@ -61,6 +67,22 @@ impl MachineArgs {
     }
 }
 
+/// Set by Ctrl-C: what is finished is kept, what is not begun stays so.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// From now on Ctrl-C sets [`STOP`].
+fn stop_on_ctrl_c() {
+    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+}
+
+/// A bar on standard error, if that is a terminal, with an estimate of the time left.
+fn progress_bar(length: u64) -> ProgressBar {
+    ProgressBar::new(length).with_style(
+        ProgressStyle::with_template("{bar:24} {pos}/{len} {msg} (about {eta} left)")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    )
+}
+
 /// Exit status: 0 good, 1 a mismatch was found, 2 bad use or bad input.
 #[must_use]
 pub fn main() -> ExitCode {
@@ -68,6 +90,7 @@ pub fn main() -> ExitCode {
     let outcome: Result<ExitCode> = match cli.command {
         Command::Cache(args) => cache::run(args),
         Command::Scenes(args) => scenes::run(args),
+        Command::Sweep(args) => sweep::run(&args),
         Command::Drift(args) => drift::run(args),
         Command::Explain(args) => explain::run(&args),
         Command::Kernels(args) => kernels::run(args),

@@ -5,13 +5,13 @@ use std::{
     io::Write,
     path::{Component, Path, PathBuf},
     process::ExitCode,
-    sync::atomic::{AtomicBool, Ordering},
+    sync::atomic::Ordering,
 };
 
 use image::RgbaImage;
-use indicatif::{ProgressBar, ProgressStyle};
 use texunit_hw::Filter;
 
+use super::{STOP, progress_bar, stop_on_ctrl_c};
 use crate::{
     error::{Error, Result},
     experiment::{Bench, Outcome, Pyramids, Stage, report},
@@ -53,9 +53,6 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| "write WIDTHxHEIGHT, each 1 to 16384, for instance 1920x1080".into())
 }
 
-/// Set by Ctrl-C: what is finished is kept, what is not begun stays so.
-static STOP: AtomicBool = AtomicBool::new(false);
-
 /// Runs the command.
 ///
 /// # Errors
@@ -70,11 +67,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     };
     create_folder(&args.output)?;
     let _lock = lock(&args.output)?;
-    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
-    let progress = ProgressBar::new((scenes.len() * filters.len()) as u64).with_style(
-        ProgressStyle::with_template("{bar:24} {pos}/{len} {msg} (about {eta} left)")
-            .unwrap_or_else(|_| ProgressStyle::default_bar()),
-    );
+    stop_on_ctrl_c();
+    let progress = progress_bar((scenes.len() * filters.len()) as u64);
     let mut written = Written { folder: &args.output, machine: &machine, scenes: Vec::new(), rows: Vec::new() };
     let mut mismatches = 0;
     let count = scenes.len();

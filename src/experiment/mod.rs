@@ -188,7 +188,11 @@ impl<'s> Bench<'s> {
         Self { stage, sampler, pyramid, memory, requests, undefined }
     }
 
-    fn unit(&self) -> Result<Unit<'s>> {
+    /// The unit, bound to this texture.
+    ///
+    /// # Errors
+    /// A machine that cannot be built.
+    pub fn unit(&self) -> Result<Unit<'s>> {
         Unit::new(&self.sampler, &self.memory.surface, &self.memory.bytes).map_err(|error| {
             Error::setting("machine", self.sampler.filter as u8, error.to_string(), "change the machine")
         })
@@ -257,7 +261,9 @@ impl<'s> Bench<'s> {
         Ok((count, slices.into_iter().find_map(|(_, first)| first)))
     }
 
-    fn against_truth(&self, responses: &[Response]) -> Deviation {
+    /// How far answers are from the ground truth.
+    #[must_use]
+    pub fn against_truth(&self, responses: &[Response]) -> Deviation {
         let truth = &self.stage.truth;
         let slices: Vec<Deviation> = self
             .stage

@@ -21,6 +21,21 @@ pub struct Metric {
     pub unit: &'static str,
 }
 
+/// Names of the numbers of a deviation from the ground truth, for [`deviation_metrics`].
+pub const AGAINST_TRUTH: [&str; 4] = ["rmse", "psnr", "worst", "mean_difference"];
+
+/// The numbers of a deviation: root mean square, peak signal to noise, worst and mean difference, by these names.
+#[must_use]
+pub fn deviation_metrics(names: [&'static str; 4], deviation: &Deviation) -> [Metric; 4] {
+    let metric = |name, value, unit| Metric { name, value, unit };
+    [
+        metric(names[0], Some(deviation.rmse()), "LSB"),
+        metric(names[1], deviation.psnr(), "dB"),
+        metric(names[2], Some(deviation.worst()), "LSB"),
+        metric(names[3], Some(deviation.mean()), "LSB"),
+    ]
+}
+
 /// Everything countable about an outcome, in the order of the report.
 #[must_use]
 pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
@@ -29,14 +44,6 @@ pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
     let per_pixel = |count: u64| count as f64 / pixels.max(1.0);
     let share = |part: u64, whole: u64| if whole == 0 { 0.0 } else { part as f64 / whole as f64 };
     let metric = |name, value: f64, unit| Metric { name, value: Some(value), unit };
-    let deviation = |names: [&'static str; 4], deviation: &Deviation| {
-        [
-            metric(names[0], deviation.rmse(), "LSB"),
-            Metric { name: names[1], value: deviation.psnr(), unit: "dB" },
-            metric(names[2], deviation.worst(), "LSB"),
-            metric(names[3], deviation.mean(), "LSB"),
-        ]
-    };
     let mut metrics = vec![
         metric("pixels", pixels, "pixel"),
         metric("reads_per_pixel", per_pixel(counters.lookups), "read/pixel"),
@@ -61,8 +68,9 @@ pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
         metric("mismatches", outcome.mismatches as f64, "pixel"),
         metric("host_ns_per_pixel", outcome.host_seconds * 1e9 / pixels.max(1.0), "ns/pixel"),
     ];
-    metrics.extend(deviation(["rmse", "psnr", "worst", "mean_difference"], &outcome.against_truth));
-    metrics.extend(deviation(["rmse_ideal", "psnr_ideal", "worst_ideal", "mean_ideal"], &outcome.against_ideal));
+    metrics.extend(deviation_metrics(AGAINST_TRUTH, &outcome.against_truth));
+    metrics
+        .extend(deviation_metrics(["rmse_ideal", "psnr_ideal", "worst_ideal", "mean_ideal"], &outcome.against_ideal));
     metrics
 }
 
