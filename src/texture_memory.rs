@@ -1,6 +1,6 @@
 //! A pyramid in the chip's memory: planes laid out as bytes.
 
-use texunit_hw::{Format, Layout, Surface, memory::store_plane};
+use texunit_hw::{Format, Layout, PyramidKind, Surface, memory::store_plane, sat::store_table};
 
 use crate::{
     error::{Error, Result},
@@ -33,6 +33,10 @@ impl TextureMemory {
             .ok()
             .and_then(|size| bytes.try_reserve_exact(size).ok().map(|()| bytes.resize(size, 0)))
             .ok_or_else(|| wrong(format!("{} bytes of texture memory cannot be had", surface.bytes)))?;
+        if pyramid.kind == PyramidKind::Sat {
+            store_table(&surface, &pyramid.planes[0].texels, &mut bytes);
+            return Ok(Self { surface, bytes });
+        }
         for (number, plane) in pyramid.planes.iter().enumerate() {
             store_plane(&surface, number, &plane.texels, &mut bytes).map_err(|error| wrong(error.to_string()))?;
         }

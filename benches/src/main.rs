@@ -99,7 +99,10 @@ fn main() {
         ]);
     }
     let rows = [whole, plain, sampling, caching, alone];
-    println!("{:<44} {:>7} {:>6} {:>14} {:>14}", "model / hand-written loop", "ratio", "goal", "model M/s", "by hand M/s");
+    println!(
+        "{:<44} {:>7} {:>6} {:>14} {:>14}",
+        "model / hand-written loop", "ratio", "goal", "model M/s", "by hand M/s"
+    );
     for row in &rows {
         let speed = |which: usize| row.work as f64 / row.median(|times| times[which]) / 1e6;
         let goal = row.goal.map_or_else(String::new, |goal| format!("{goal:.2}"));

@@ -22,7 +22,7 @@ use crate::{
     pyramid::{PlaneImage, Pyramid},
     reference::{
         Reference,
-        ideal::{Detail, Ideal, IdealSampler},
+        ideal::{Ideal, IdealSampler},
     },
     scene::{Coverage, Fragment, GroundTruth, Scene},
     texture_memory::TextureMemory,
@@ -108,7 +108,7 @@ pub struct PlaneRow {
 /// What a pyramid takes.
 #[derive(Clone, Copy, Debug)]
 pub struct PyramidMemory {
-    /// Texels of all planes.
+    /// Texels of all planes; an entry of a summed-area table takes as much memory as four.
     pub texels: u64,
     /// Texels of the texture itself.
     pub texture_texels: u64,
@@ -148,6 +148,7 @@ pub struct Bench<'s> {
     /// The requests, in pixel order.
     pub requests: Vec<Request>,
     undefined: u64,
+    front_end: FrontEnd,
 }
 
 impl<'s> Bench<'s> {
@@ -170,7 +171,7 @@ impl<'s> Bench<'s> {
         };
         let (requests, undefined) = front_end.requests(&stage.fragments);
         let sampler = machine.sampler(filter, address, LodSource::Gradient);
-        Self { stage, sampler, pyramid, memory, requests, undefined }
+        Self { stage, sampler, pyramid, memory, requests, undefined, front_end }
     }
 
     fn unit(&self) -> Result<Unit<'s>> {
@@ -205,7 +206,7 @@ impl<'s> Bench<'s> {
             counters: cache.counters(),
             planes,
             memory: PyramidMemory {
-                texels: self.pyramid.planes.iter().map(|plane| plane.texels.len() as u64).sum(),
+                texels: self.pyramid.texels() * if self.pyramid.kind == PyramidKind::Sat { 4 } else { 1 },
                 texture_texels: u64::from(self.pyramid.width) * u64::from(self.pyramid.height),
                 bytes: surface.bytes,
             },
@@ -265,13 +266,11 @@ impl<'s> Bench<'s> {
             .stage
             .fragments
             .par_chunks(SLICE)
-            .zip(self.requests.par_chunks(SLICE))
             .zip(responses.par_chunks(SLICE))
-            .map(|((fragments, requests), responses)| {
+            .map(|(fragments, responses)| {
                 let mut sum = Deviation::default();
-                for ((fragment, request), response) in fragments.iter().zip(requests).zip(responses) {
-                    let detail = Detail::SquaredRatio(request.scale.map(|bits| f64::from(f32::from_bits(bits))));
-                    let answer = ideal.sample([fragment.u, fragment.v], detail);
+                for (fragment, response) in fragments.iter().zip(responses) {
+                    let answer = ideal.sample([fragment.u, fragment.v], self.front_end.ideal_detail(fragment));
                     sum.add(response.texel.map(f64::from), answer.texel);
                 }
                 sum
