@@ -2,7 +2,10 @@
 
 use texunit_hw::{AddressMode, Filter, I12F20, Request, coordinate::from_f64_bits};
 
-use crate::scene::{AxisRule, Fragment, Gradient, Norm};
+use crate::{
+    reference::{footprint::Footprint, ideal::Detail},
+    scene::{AxisRule, Fragment, Gradient, Norm},
+};
 
 /// Makes requests for one filter on one texture.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +41,10 @@ impl FrontEnd {
         let ([u, v], undefined) = coordinates(fragment.u, fragment.v, self.address);
         let texels = fragment.gradient.in_texels(self.size);
         let mut request = Request { u, v, pixel: [fragment.x, fragment.y], ..Request::default() };
-        if self.filter.is_anisotropic() {
+        if self.filter == Filter::Sat {
+            let Gradient { ux, uy, vx, vy } = fragment.gradient;
+            request.axes = [[ux, vx], [uy, vy]].map(|vector| vector.map(to_fixed_vector));
+        } else if self.filter.is_anisotropic() {
             (request.scale, request.axes) = self.footprint(fragment.gradient, texels);
         } else if self.filter.level_per_axis() {
             request.scale = self.rule.squared_ratios(texels).map(f32::to_bits);
@@ -70,6 +76,18 @@ impl FrontEnd {
         let minor = if major > 0.0 { determinant / major * determinant } else { 0.0 };
         let scale = [major, minor].map(|squared| (squared as f32).to_bits());
         (scale, vectors.map(|vector| vector.map(to_fixed_vector)))
+    }
+
+    /// What the same fragment asks of a filter without widths: the request's own ratios, so that only widths differ, and for
+    /// filters that look along the footprint its unrounded vectors.
+    #[must_use]
+    pub fn ideal_detail(&self, fragment: &Fragment) -> Detail {
+        if self.filter.is_anisotropic() || self.filter == Filter::Sat {
+            let pixel = [fragment.x, fragment.y];
+            return Detail::Footprint(Footprint::new(self.filter, fragment.gradient, self.size, pixel));
+        }
+        let (request, _) = self.request(fragment);
+        Detail::SquaredRatio(request.scale.map(|bits| f64::from(f32::from_bits(bits))))
     }
 
     /// The requests of a scene, in its order.

@@ -57,13 +57,14 @@ names! {
         "texram" => Self::Texram,
         "feline" => Self::Feline,
         "fast" => Self::Fast,
+        "sat" => Self::Sat,
     }
     Mode, "timing mode" { "prefetching" => Self::Prefetching, "blocking" => Self::Blocking }
     BankHash, "bank hash" { "low" => Self::Low, "xor" => Self::Xor }
     Page, "page policy" { "open" => Self::Open, "closed" => Self::Closed }
     Mapping, "address mapping" { "row-bank-column" => Self::RowBankColumn, "row-column-bank" => Self::RowColumnBank }
     MemoryKind, "memory" { "fixed" => Self::Fixed, "dram" => Self::Dram }
-    PyramidKind, "pyramid" { "mipmap" => Self::Mipmap, "dipmap" => Self::Dipmap, "ripmap" => Self::Ripmap }
+    PyramidKind, "pyramid" { "mipmap" => Self::Mipmap, "dipmap" => Self::Dipmap, "ripmap" => Self::Ripmap, "sat" => Self::Sat }
     Kernel, "kernel" {
         "point" => Self::Point, "box" => Self::Box, "tent" => Self::Tent, "lanczos" => Self::Lanczos, "kaiser" => Self::Kaiser,
     }
@@ -73,7 +74,11 @@ names! {
     }
     AddressMode, "wrap" { "wrap" => Self::Wrap, "clamp" => Self::Clamp, "clip" => Self::Clip, "mirror" => Self::Mirror }
     LodSource, "LOD source" { "explicit" => Self::Explicit, "gradient" => Self::Gradient }
-    Log2, "log2 unit" { "exact" => Self::Exact, "herf" => Self::Herf, "ilog2" => Self::Ilog2 }
+    Log2, "log2 unit" {
+        "exact" => Self::Exact, "table-128" => Self::Table128, "table-64" => Self::Table64, "table-16" => Self::Table16,
+        "quadratic" => Self::Quadratic, "fourth" => Self::Fourth, "herf" => Self::Herf, "herf-plain" => Self::HerfPlain,
+        "ilog2" => Self::Ilog2,
+    }
     LevelRounding, "level rounding" { "floor" => Self::Floor, "nearest" => Self::Nearest, "gl" => Self::Gl }
     Rounding, "rounding" {
         "once" => Self::Once, "staged-round" => Self::StagedRound, "staged-truncate" => Self::StagedTruncate,

@@ -8,6 +8,7 @@ use texunit_hw::{
     cache::TexelCache,
     decompression::{decompress, fill_bytes},
     memory::store_plane,
+    sat::store_table,
 };
 
 use crate::{
@@ -87,18 +88,31 @@ impl TextureMemory {
         storage: &Storage,
         planes: impl Iterator<Item = &'p [u8]>,
     ) -> Result<Self> {
+        let mut memory = Self::empty(kind, [width, height], storage)?;
+        memory.surface.srgb = storage.srgb;
+        for (number, elements) in planes.enumerate() {
+            store_plane(&memory.surface, number, elements, &mut memory.bytes)
+                .map_err(|error| refused(storage, error.to_string()))?;
+        }
+        Ok(memory)
+    }
+
+    /// The summed-area table of a pyramid's level 0, whose texels are as the filter sees them.
+    fn sums(pyramid: &Pyramid, storage: &Storage) -> Result<Self> {
+        let mut memory = Self::empty(PyramidKind::Sat, [pyramid.width, pyramid.height], storage)?;
+        store_table(&memory.surface, &pyramid.planes[0].texels, &mut memory.bytes);
+        Ok(memory)
+    }
+
+    fn empty(kind: PyramidKind, [width, height]: [u32; 2], storage: &Storage) -> Result<Self> {
         let wrong = |problem: String| refused(storage, problem);
-        let mut surface = Surface::new(kind, storage.layout, storage.format, width, height)
+        let surface = Surface::new(kind, storage.layout, storage.format, width, height)
             .map_err(|error| wrong(error.to_string()))?;
-        surface.srgb = storage.srgb;
         let mut bytes = Vec::new();
         usize::try_from(surface.bytes)
             .ok()
             .and_then(|size| bytes.try_reserve_exact(size).ok().map(|()| bytes.resize(size, 0)))
             .ok_or_else(|| wrong(format!("{} bytes of texture memory cannot be had", surface.bytes)))?;
-        for (number, elements) in planes.enumerate() {
-            store_plane(&surface, number, elements, &mut bytes).map_err(|error| wrong(error.to_string()))?;
-        }
         Ok(Self { surface, bytes, compressed: None })
     }
 
@@ -156,6 +170,10 @@ impl Texture {
         let pyramid = self.planes(kind, texture)?;
         let storage = self.storage();
         if storage.format == Format::Rgba8 && !storage.srgb {
+            if kind == PyramidKind::Sat {
+                let memory = TextureMemory::sums(&pyramid, &storage)?;
+                return Ok(Held { pyramid, memory });
+            }
             let planes = pyramid.planes.iter().map(|plane| plane.texels.as_flattened());
             let memory = TextureMemory::lay_out(kind, [pyramid.width, pyramid.height], &storage, planes)?;
             return Ok(Held { pyramid, memory });
@@ -184,6 +202,10 @@ impl Held {
         if storage.srgb {
             pyramid.planes.iter_mut().for_each(srgb::make_linear);
         }
-        Ok(Self { pyramid, memory: TextureMemory::new(stored, storage)? })
+        let memory = match stored.kind {
+            PyramidKind::Sat => TextureMemory::sums(&pyramid, storage)?,
+            _ => TextureMemory::new(stored, storage)?,
+        };
+        Ok(Self { pyramid, memory })
     }
 }

@@ -116,6 +116,20 @@ impl AddressUnit {
         (pair_of.copied().unwrap_or([OUTSIDE; 2]), pair.fraction)
     }
 
+    /// Texels of a plane along both axes.
+    #[inline]
+    pub(crate) fn size(&self, plane: usize) -> [u32; 2] {
+        let [u, v] = &self.axes[plane];
+        [u.size, v.size]
+    }
+
+    /// The address of a texel of the plane itself.
+    #[inline]
+    pub(crate) fn texel(&self, plane: usize, index: [i64; 2]) -> u64 {
+        let [u, v] = [0, 1].map(|i| self.tables[self.axes[plane][i].start + (index[i] - FIRST_INDEX) as usize]);
+        u + v
+    }
+
     /// A bilinear tap at a 12.20 coordinate of any width.
     #[inline]
     #[must_use]

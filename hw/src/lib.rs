@@ -19,6 +19,7 @@ pub mod lod;
 mod log2_table;
 mod probe_tables;
 mod probes;
+pub mod sat;
 pub mod taps;
 
 pub mod address;

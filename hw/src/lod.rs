@@ -83,15 +83,58 @@ pub const fn raw_level(squared_ratio: u32, log2: Log2) -> i32 {
         return -127 << 7;
     }
     let octaves = exponent - 127;
+    let start = octaves << 7;
     match log2 {
-        Log2::Exact => {
-            let cell = CELLS[(mantissa >> 15) as usize];
-            (octaves << 7) + (cell >> 24) as i32 + (mantissa >= (cell & 0xFF_FFFF)) as i32
-        }
+        Log2::Exact => start + exact_log2(mantissa),
+        Log2::Table128 => start + exact_log2(middle_of_cell(mantissa, 7)),
+        Log2::Table64 => start + exact_log2(middle_of_cell(mantissa, 6)),
+        Log2::Table16 => start + exact_log2(middle_of_cell(mantissa, 4)),
+        Log2::Quadratic => start + quadratic_log2(mantissa),
+        Log2::Fourth => start + fourth_power_log2(mantissa),
         // The same bits as `ilog2clamp(x) / 2` and `trivalsq(x)` side by side: exponent and top 7 mantissa bits are one number.
         Log2::Herf => (magnitude >> 16) as i32 - (127 << 7),
+        Log2::HerfPlain => plain_level(octaves, mantissa),
         Log2::Ilog2 => (octaves >> 1) << LOD_BITS,
     }
+}
+
+/// `log2(1.mantissa)` in 1/128, rounded to nearest.
+#[inline]
+const fn exact_log2(mantissa: u32) -> i32 {
+    let cell = CELLS[(mantissa >> 15) as usize];
+    (cell >> 24) as i32 + (mantissa >= (cell & 0xFF_FFFF)) as i32
+}
+
+/// The mantissa in the middle of its cell, of `2^log2_cells` cells. A table with one entry a cell holds the logarithms of
+/// these; there is no need to store them a second time.
+#[inline]
+const fn middle_of_cell(mantissa: u32, log2_cells: u32) -> u32 {
+    let half = (1 << 22) >> log2_cells;
+    mantissa & !(2 * half - 1) | half
+}
+
+/// `y + 89/256 y (1 - y)` in 1/128, half up, of the top 12 mantissa bits.
+#[inline]
+const fn quadratic_log2(mantissa: u32) -> i32 {
+    let y = (mantissa >> 11) as u64;
+    (((y << 20) + 89 * y * (4096 - y) + (1 << 24)) >> 25) as i32
+}
+
+/// Exponent and mantissa of the square of 1.mantissa, in 1/64 octave of that square.
+#[inline]
+const fn fourth_power_log2(mantissa: u32) -> i32 {
+    let significand = (1 << 23 | mantissa) as u64;
+    let square = significand * significand;
+    let carry = (square >> 47) as i32;
+    (carry << 6) + (square >> (40 + carry)) as i32 - 64
+}
+
+/// What `ilog2` and `trival` say of the ratio, from its square: eight fraction bits of an integer square root.
+#[inline]
+const fn plain_level(octaves: i32, mantissa: u32) -> i32 {
+    let significand = (1 << 23 | mantissa) << (octaves & 1);
+    let root = (significand >> 7).isqrt() as i32;
+    ((octaves >> 1) << LOD_BITS) + root - 256
 }
 
 /// What the clamp of the LOD unit is wired to, for one axis.

@@ -30,6 +30,8 @@ pub enum Filter {
     Feline,
     /// Jittered samples over the footprint, as many as each level needs (Chen 2004).
     Fast,
+    /// The mean over the footprint's bounding box, from a summed-area table (Crow 1984).
+    Sat,
 }
 
 /// Which planes a pyramid holds (docs/numerics.md, section 2).
@@ -42,6 +44,8 @@ pub enum PyramidKind {
     Dipmap,
     /// Each axis halved as often as the other or not: the whole grid.
     Ripmap,
+    /// No halvings: level 0 as a summed-area table, 16 bytes an entry (docs/numerics.md, section 5.3).
+    Sat,
 }
 
 impl Filter {
@@ -51,6 +55,7 @@ impl Filter {
         match self {
             Self::Dipmap | Self::DipmapTrilinear => PyramidKind::Dipmap,
             Self::Ripmap => PyramidKind::Ripmap,
+            Self::Sat => PyramidKind::Sat,
             _ => PyramidKind::Mipmap,
         }
     }
@@ -70,7 +75,7 @@ impl Filter {
     /// Whether the level of a request matters at all.
     #[must_use]
     pub const fn uses_level(self) -> bool {
-        !matches!(self, Self::Point | Self::Bilinear)
+        !matches!(self, Self::Point | Self::Bilinear | Self::Sat)
     }
 }
 
@@ -80,8 +85,20 @@ pub enum Log2 {
     /// Rounded to nearest, error at most 1/512 level.
     #[default]
     Exact,
+    /// A table of 128 entries, each right in the middle of its cell: error +-0.0047.
+    Table128,
+    /// The same with 64 entries: error +-0.0074.
+    Table64,
+    /// The same with 16 entries: error +-0.0238.
+    Table16,
+    /// The mantissa bent by a parabola: error +-0.0058.
+    Quadratic,
+    /// Exponent and mantissa of the fourth power, one multiply more than Herf: error -0.0254 to 0.
+    Fourth,
     /// Exponent and mantissa of the square, Herf's `trivalsq`: error -0.0469 to 0.
     Herf,
+    /// Exponent and mantissa of the ratio itself, Herf's `trival`, behind a square root: error -0.0900 to 0.
+    HerfPlain,
     /// Whole levels only, Herf's `ilog2`.
     Ilog2,
 }

@@ -8,6 +8,7 @@ use crate::{
     format::{Format, Palette},
     layout::{Arrangement, Layout},
     sampler::PyramidKind,
+    sat::ENTRY_BYTES,
 };
 
 /// Which planes a pyramid of a texture has, in storage order.
@@ -24,6 +25,7 @@ pub fn planes_of(kind: PyramidKind, width: u32, height: u32) -> Vec<(u8, u8)> {
     match kind {
         PyramidKind::Mipmap => (0..=last_u.max(last_v)).map(|level| (level.min(last_u), level.min(last_v))).collect(),
         PyramidKind::Dipmap => (0..=last_u).map(|lu| (lu, 0)).chain((1..=last_v).map(|lv| (0, lv))).collect(),
+        PyramidKind::Sat => alloc::vec![(0, 0)],
         PyramidKind::Ripmap => (0..=last_v).flat_map(|lv| (0..=last_u).map(move |lu| (lu, lv))).collect(),
     }
 }
@@ -196,7 +198,12 @@ impl Surface {
         if layout == Layout::Williams {
             return Self::williams(kind, format, width, height);
         }
-        let element = u64::from(format.element_bytes());
+        // A summed-area table holds sums of decoded texels, whatever they were stored as.
+        let (format, element_bytes) = match kind {
+            PyramidKind::Sat => (Format::Rgba8, ENTRY_BYTES),
+            _ => (format, format.element_bytes()),
+        };
+        let element = u64::from(element_bytes);
         let mut base = 0u64;
         let planes = planes_of(kind, width, height)
             .into_iter()
@@ -211,7 +218,7 @@ impl Surface {
                     base,
                     arrangement,
                     format,
-                    element_bytes: format.element_bytes(),
+                    element_bytes,
                     channels: [0; 2],
                 };
                 base = (base + arrangement.elements * element).next_multiple_of(PLANE_ALIGNMENT);
@@ -265,7 +272,11 @@ impl Surface {
     /// Bytes one read asks for.
     #[must_use]
     pub const fn bytes_per_read(&self) -> u32 {
-        if matches!(self.layout, Layout::Williams) { 1 } else { self.format.element_bytes() }
+        match (self.layout, self.kind) {
+            (Layout::Williams, _) => 1,
+            (_, PyramidKind::Sat) => ENTRY_BYTES,
+            _ => self.format.element_bytes(),
+        }
     }
 
     /// The addresses a texel is read from; only the first [`Self::reads_per_texel`] count.
@@ -281,6 +292,7 @@ impl Surface {
     #[must_use]
     pub fn index(&self, lu: u8, lv: u8) -> usize {
         match self.kind {
+            PyramidKind::Sat => 0,
             PyramidKind::Mipmap => lu.max(lv) as usize,
             PyramidKind::Dipmap => {
                 if lv == 0 {

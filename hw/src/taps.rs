@@ -87,6 +87,10 @@ macro_rules! with_program {
                 type $program = $crate::probes::Fast;
                 $call
             }
+            $crate::sampler::Filter::Sat => {
+                type $program = $crate::sat::Sat;
+                $call
+            }
         }
     };
 }
@@ -108,6 +112,11 @@ impl TapUnit {
     /// State of the sampler it was made for.
     pub(crate) const fn sampler(&self) -> &Sampler {
         &self.sampler
+    }
+
+    /// Where texels lie.
+    pub(crate) const fn address(&self) -> &AddressUnit {
+        &self.address
     }
 
     /// The LOD unit's reading of one of the scales, before bias and clamp.

@@ -10,7 +10,8 @@ use crate::{
     datapath::{TexelSource, filter, filter_packed},
     memory::with_source,
     request::{Request, Response},
-    sampler::{Rounding, Sampler, SamplerError},
+    sampler::{Filter, Rounding, Sampler, SamplerError},
+    sat::{self, Sat},
     surface::Surface,
     taps::{Program, TapUnit, most_taps, with_program},
 };
@@ -175,6 +176,17 @@ impl<'m> Unit<'m> {
     pub fn run(&mut self, requests: &[Request], responses: &mut [Response], sink: &mut impl Sink) {
         assert_eq!(requests.len(), responses.len(), "one response a request");
         let size = self.batch;
+        if self.sampler.filter == Filter::Sat {
+            // Sums are no texels: another datapath.
+            for (requests, responses) in requests.chunks(size).zip(responses.chunks_mut(size)) {
+                let (bytes, (batch, lods)) = (self.bytes, self.expand::<Sat>(requests));
+                for ((response, lod), taps) in responses.iter_mut().zip(lods).zip(batch.per_request()) {
+                    *response = Response { texel: sat::mean(bytes, taps), lod: *lod };
+                }
+                sink.take(batch);
+            }
+            return;
+        }
         with_program!(self.sampler.filter, P => with_source!(self.surface, self.bytes, source => {
             for (requests, responses) in requests.chunks(size).zip(responses.chunks_mut(size)) {
                 let (sampler, (batch, lods)) = (self.sampler, self.expand::<P>(requests));

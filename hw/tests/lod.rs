@@ -54,15 +54,43 @@ fn herf_rung_is_the_memos_exponent_and_fraction_side_by_side() {
     }
 }
 
+/// Every rung, with its least and greatest error against the exact one, in 1/256 level.
+const RUNGS: [(Log2, i32, i32); 9] = [
+    (Log2::Exact, 0, 0),
+    (Log2::Table128, -1, 1),
+    (Log2::Table64, -2, 2),
+    (Log2::Table16, -5, 6),
+    (Log2::Quadratic, -1, 2),
+    (Log2::Fourth, -7, 0),
+    (Log2::Herf, -12, 0),
+    (Log2::HerfPlain, -23, 0),
+    (Log2::Ilog2, -256, 0),
+];
+
 #[test]
-fn every_log2_rung_is_monotone_and_never_above_the_exact_one_by_more_than_its_rounding() {
-    for log2 in [Log2::Exact, Log2::Herf, Log2::Ilog2] {
+fn every_log2_rung_is_monotone_and_within_its_error_of_the_exact_one() {
+    for (log2, least, greatest) in RUNGS {
         let mut last = i32::MIN;
-        for x in (0..=0x7F80_0000u32).step_by(4093) {
+        let mut found = (0, 0);
+        for x in (0..=0x7F80_0000u32).step_by(997) {
             let level = raw_level(x, log2);
             assert!(level >= last, "{log2:?} falls at {x:#x}");
-            assert!(level <= raw_level(x, Log2::Exact) + 1);
+            let error = level - raw_level(x, Log2::Exact);
+            found = (found.0.min(error), found.1.max(error));
             last = level;
+        }
+        assert_eq!(found, (least, greatest), "{log2:?}");
+    }
+}
+
+#[test]
+fn the_plain_rung_is_the_memos_exponent_and_fraction_of_the_root() {
+    // Squares of numbers with 8 fraction bits have exact roots.
+    for significand in 256..512u32 {
+        for exponent in [-20, -1, 0, 1, 7, 30] {
+            let ratio = significand as f32 * 2f32.powi(exponent - 8);
+            let expected = ilog2(ratio.to_bits()) * 256 + trival(ratio.to_bits()) as i32;
+            assert_eq!(raw_level((ratio * ratio).to_bits(), Log2::HerfPlain), expected, "{ratio}");
         }
     }
 }
@@ -91,7 +119,7 @@ fn special_ratios_have_defined_levels_whatever_the_bias() {
     for bias in [-4096, 0, 4096] {
         let sampler = Sampler { bias, ..Sampler::default() };
         let range = LevelRange::new(&sampler, 8);
-        for log2 in [Log2::Exact, Log2::Herf, Log2::Ilog2] {
+        for (log2, ..) in RUNGS {
             let level = |x: f32| range.fractional(raw_level(x.to_bits(), log2));
             for coarsest in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
                 assert_eq!(level(coarsest), 8 << 8);

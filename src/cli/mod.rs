@@ -8,9 +8,9 @@ mod mips;
 mod run;
 mod sample;
 mod scenes;
+mod sweep;
 mod time;
 mod trace;
-mod sweep;
 mod verify;
 
 use std::{

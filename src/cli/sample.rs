@@ -17,7 +17,6 @@ use crate::{
     pyramid::Pyramid,
     reference::{
         Reference,
-        footprint::Footprint,
         ideal::{Detail, Ideal, IdealSampler},
     },
     scene::{Fragment, Gradient},
@@ -173,13 +172,7 @@ impl Session<'_> {
                 for row in rows {
                     let detail = match row.detail {
                         RowDetail::Level(level) => Detail::Level([level; 2]),
-                        RowDetail::Gradient(gradient) if sampler.filter.is_anisotropic() => {
-                            Detail::Footprint(Footprint::new(sampler.filter, gradient, front_end.size, [0; 2]))
-                        }
-                        RowDetail::Gradient(_) => {
-                            let (request, _) = front_end.request(&row.fragment());
-                            Detail::SquaredRatio(request.scale.map(|bits| f64::from(f32::from_bits(bits))))
-                        }
+                        RowDetail::Gradient(_) => front_end.ideal_detail(&row.fragment()),
                     };
                     let answer = ideal.sample([row.u, row.v], detail);
                     let [r, g, b, a] = answer.texel;

@@ -22,8 +22,7 @@ use crate::{
     pyramid::{PlaneImage, Pyramid},
     reference::{
         Reference,
-        footprint::Footprint,
-        ideal::{Detail, Ideal, IdealSampler},
+        ideal::{Ideal, IdealSampler},
     },
     scene::{Coverage, Fragment, GroundTruth, Scene},
     texel_format::srgb,
@@ -123,7 +122,7 @@ pub struct PlaneRow {
 /// What a pyramid takes.
 #[derive(Clone, Copy, Debug)]
 pub struct PyramidMemory {
-    /// Texels of all planes.
+    /// Texels of all planes; an entry of a summed-area table takes as much memory as four.
     pub texels: u64,
     /// Texels of the texture itself.
     pub texture_texels: u64,
@@ -163,6 +162,7 @@ pub struct Bench<'s> {
     /// The requests, in pixel order.
     pub requests: Vec<Request>,
     undefined: u64,
+    front_end: FrontEnd,
 }
 
 impl<'s> Bench<'s> {
@@ -185,7 +185,7 @@ impl<'s> Bench<'s> {
         };
         let (requests, undefined) = front_end.requests(&stage.fragments);
         let sampler = machine.sampler(filter, address, LodSource::Gradient);
-        Self { stage, sampler, pyramid, memory, requests, undefined }
+        Self { stage, sampler, pyramid, memory, requests, undefined, front_end }
     }
 
     /// The unit, bound to this texture.
@@ -224,7 +224,7 @@ impl<'s> Bench<'s> {
             counters: cache.counters(),
             planes,
             memory: PyramidMemory {
-                texels: self.pyramid.planes.iter().map(|plane| plane.texels.len() as u64).sum(),
+                texels: self.pyramid.texels() * if self.pyramid.kind == PyramidKind::Sat { 4 } else { 1 },
                 texture_texels: u64::from(self.pyramid.width) * u64::from(self.pyramid.height),
                 bytes: self.memory.stored_bytes(),
             },
@@ -286,20 +286,11 @@ impl<'s> Bench<'s> {
             .stage
             .fragments
             .par_chunks(SLICE)
-            .zip(self.requests.par_chunks(SLICE))
             .zip(responses.par_chunks(SLICE))
-            .map(|((fragments, requests), responses)| {
+            .map(|(fragments, responses)| {
                 let mut sum = Deviation::default();
-                for ((fragment, request), response) in fragments.iter().zip(requests).zip(responses) {
-                    let detail = if self.sampler.filter.is_anisotropic() {
-                        let size = [self.pyramid.width, self.pyramid.height];
-                        let pixel = [fragment.x, fragment.y];
-                        Detail::Footprint(Footprint::new(self.sampler.filter, fragment.gradient, size, pixel))
-                    } else {
-                        // The norm is the machine's to choose.
-                        Detail::SquaredRatio(request.scale.map(|bits| f64::from(f32::from_bits(bits))))
-                    };
-                    let answer = ideal.sample([fragment.u, fragment.v], detail);
+                for (fragment, response) in fragments.iter().zip(responses) {
+                    let answer = ideal.sample([fragment.u, fragment.v], self.front_end.ideal_detail(fragment));
                     sum.add(response.texel.map(f64::from), answer.texel);
                 }
                 sum

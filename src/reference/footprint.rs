@@ -53,7 +53,7 @@ impl Footprint {
                 let major = [cosine / f64::from(size[0]), sine / f64::from(size[1])].map(|one| one * ellipse.radius[0]);
                 (singular, [major, none])
             }
-            Filter::Fast => (singular, [longer, shorter]),
+            Filter::Fast | Filter::Sat => (singular, [longer, shorter]),
             _ if filter.level_per_axis() => {
                 let longest = |a: f64, b: f64| if a > b || a.is_nan() { a * a } else { b * b };
                 let squared = [longest(texels.ux.abs(), texels.uy.abs()), longest(texels.vx.abs(), texels.vy.abs())];

@@ -9,6 +9,7 @@ use super::{
     lod::{self, Limits},
     planes::Reading,
     probes::Aim,
+    sat::Sat,
     taps::{Program, Settings},
 };
 use crate::{error::Result, pyramid::Pyramid};
@@ -110,8 +111,14 @@ pub struct IdealResponse {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Ideal<'a> {
-    program: Program<'a>,
+    model: Model<'a>,
     address: [AddressMode; 2],
+}
+
+#[derive(Clone, Debug)]
+enum Model<'a> {
+    Taps(Program<'a>),
+    SummedArea(Sat<'a>),
 }
 
 impl<'a> Ideal<'a> {
@@ -120,6 +127,10 @@ impl<'a> Ideal<'a> {
     /// # Errors
     /// A pyramid without the planes the filter reads.
     pub fn new(pyramid: &'a Pyramid, sampler: IdealSampler) -> Result<Self> {
+        if sampler.filter == Filter::Sat {
+            let model = Model::SummedArea(Sat::unlimited(pyramid, sampler.address)?);
+            return Ok(Self { model, address: sampler.address });
+        }
         let limits = Limits::new(sampler.bias, sampler.min_lod, sampler.max_lod, None);
         let reading = Reading { address: sampler.address, fractions: None };
         let settings = Settings {
@@ -132,15 +143,20 @@ impl<'a> Ideal<'a> {
             weights: None,
             places: None,
         };
-        let program = Program::new(pyramid, settings)?;
-        Ok(Self { program, address: sampler.address })
+        Ok(Self { model: Model::Taps(Program::new(pyramid, settings)?), address: sampler.address })
     }
 
     /// Samples at normalised (u, v). Values that are no coordinate are read as the chip reads them (section 1.1).
     #[must_use]
     pub fn sample(&self, at: [f64; 2], detail: Detail) -> IdealResponse {
         let at = [0, 1].map(|axis| defined(at[axis], self.address[axis]));
-        let (texel, lod) = self.program.run(at, |axis| detail.level(axis), || detail.aim(), datapath::sum);
+        let program = match &self.model {
+            Model::Taps(program) => program,
+            Model::SummedArea(sat) => {
+                return IdealResponse { texel: sat.ideal(at, detail.aim().axes), lod: [0.0; 2] };
+            }
+        };
+        let (texel, lod) = program.run(at, |axis| detail.level(axis), || detail.aim(), datapath::sum);
         IdealResponse { texel, lod }
     }
 }

@@ -47,14 +47,37 @@ fn of_squared_ratio(squared: f32, log2: Log2) -> f64 {
         return FINEST;
     }
     let squared = f64::from(squared.abs());
-    match log2 {
-        Log2::Exact => floor(128.0 * libm::log2(squared) + 0.5) / LEVEL,
-        Log2::Herf => {
-            let (octave, mantissa) = octave_and_mantissa(squared);
-            octave / 2.0 + floor(128.0 * (mantissa - 1.0)) / LEVEL
+    let (octave, significand) = octave_and_mantissa(squared);
+    let x = significand - 1.0;
+    let beyond_octave = match log2 {
+        Log2::Exact => return floor(128.0 * libm::log2(squared) + 0.5) / LEVEL,
+        Log2::Table128 => table(x, 128.0),
+        Log2::Table64 => table(x, 64.0),
+        Log2::Table16 => table(x, 16.0),
+        Log2::Quadratic => {
+            let y = floor(x * 4096.0) / 4096.0;
+            floor(128.0 * (y + 89.0 / 256.0 * y * (1.0 - y)) + 0.5)
         }
-        Log2::Ilog2 => floor(octave_and_mantissa(squared).0 / 2.0),
-    }
+        Log2::Fourth => {
+            let p = significand * significand;
+            if p < 2.0 { floor(64.0 * (p - 1.0)) } else { 64.0 + floor(64.0 * (p / 2.0 - 1.0)) }
+        }
+        Log2::Herf => floor(128.0 * x),
+        // The square root is exact or, 24 bits being few, farther from any 1/256 than its rounding.
+        Log2::HerfPlain => {
+            let level = floor(octave / 2.0);
+            let ratio = libm::sqrt(squared) / libm::exp2(level);
+            return level + floor(LEVEL * (ratio - 1.0)) / LEVEL;
+        }
+        Log2::Ilog2 => return floor(octave / 2.0),
+    };
+    (128.0 * octave + beyond_octave) / LEVEL
+}
+
+/// The entry of a table of the logarithm. The middles of cells are mantissas, so what the module says of all those holds.
+fn table(x: f64, entries: f64) -> f64 {
+    let middle = (2.0 * floor(entries * x) + 1.0) / (2.0 * entries);
+    floor(128.0 * libm::log2(1.0 + middle) + 0.5)
 }
 
 /// `x = mantissa * 2^octave` with the mantissa in `[1, 2)`.

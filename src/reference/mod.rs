@@ -19,7 +19,7 @@ mod probes;
 pub mod sat;
 mod taps;
 
-use texunit_hw::{I12F20, Request, Response, Rounding, Sampler};
+use texunit_hw::{Filter, I12F20, Request, Response, Rounding, Sampler};
 
 use crate::{
     error::{Error, Result},
@@ -29,6 +29,7 @@ use coordinate::Grid;
 use lod::Limits;
 use planes::Reading;
 use probes::Aim;
+use sat::Sat;
 use taps::{Program, Settings};
 
 /// The float model of one texture unit: a pyramid and a sampler.
@@ -51,8 +52,14 @@ use taps::{Program, Settings};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Reference<'a> {
-    program: Program<'a>,
+    model: Model<'a>,
     sampler: Sampler,
+}
+
+#[derive(Clone, Debug)]
+enum Model<'a> {
+    Taps(Program<'a>),
+    SummedArea(Sat<'a>),
 }
 
 impl<'a> Reference<'a> {
@@ -62,6 +69,9 @@ impl<'a> Reference<'a> {
     /// A setting out of range, or a pyramid without the planes the filter reads.
     pub fn new(pyramid: &'a Pyramid, sampler: &Sampler) -> Result<Self> {
         checked(sampler)?;
+        if sampler.filter == Filter::Sat {
+            return Ok(Self { model: Model::SummedArea(Sat::new(pyramid, sampler)?), sampler: *sampler });
+        }
         let limits = Limits::new(
             lod::from_8_8(i32::from(sampler.bias)),
             lod::from_8_8(sampler.min_lod),
@@ -79,17 +89,20 @@ impl<'a> Reference<'a> {
             weights: Some(Grid::new(8)),
             places: Some(Grid::new(20)),
         };
-        let program = Program::new(pyramid, settings)?;
-        Ok(Self { program, sampler: *sampler })
+        Ok(Self { model: Model::Taps(Program::new(pyramid, settings)?), sampler: *sampler })
     }
 
     /// The answer to one request.
     #[must_use]
     pub fn sample(&self, request: &Request) -> Response {
+        let program = match &self.model {
+            Model::Taps(program) => program,
+            Model::SummedArea(sat) => return sat.sample(request),
+        };
         let at = [turns(request.u), turns(request.v)];
         let raw = |axis: usize| lod::raw(request.scale[axis], self.sampler.lod_source, self.sampler.log2);
         let aim = || Aim { axes: request.axes.map(|axis| axis.map(turns)), pixel: request.pixel };
-        let (texel, levels) = self.program.run(at, raw, aim, |taps| match self.sampler.rounding {
+        let (texel, levels) = program.run(at, raw, aim, |taps| match self.sampler.rounding {
             Rounding::Once => datapath::once(taps),
             Rounding::StagedRound => datapath::staged(taps, 0.5),
             Rounding::StagedTruncate => datapath::staged(taps, 0.0),

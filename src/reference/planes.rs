@@ -36,7 +36,7 @@ impl<'a> Planes<'a> {
             return Ok(Self { along_u: chain(0)?, along_v: Vec::new(), grid: Vec::new() });
         }
         match filter.pyramid() {
-            PyramidKind::Mipmap => {
+            PyramidKind::Mipmap | PyramidKind::Sat => {
                 let along_u = chain(last_u.max(last_v))?;
                 let along_v = if filter.level_per_axis() { along_u.clone() } else { Vec::new() };
                 Ok(Self { along_u, along_v, grid: Vec::new() })

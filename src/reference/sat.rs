@@ -44,7 +44,12 @@ impl<'a> Sat<'a> {
     /// A setting out of range, or a pyramid without a level 0.
     pub fn new(pyramid: &'a Pyramid, sampler: &Sampler) -> Result<Self> {
         checked(sampler)?;
-        Ok(Self { plane: Plane::find(pyramid, 0, 0)?, address: sampler.address })
+        Self::unlimited(pyramid, sampler.address)
+    }
+
+    /// The same without widths to check, for [`Self::ideal`].
+    pub(super) fn unlimited(pyramid: &'a Pyramid, address: [AddressMode; 2]) -> Result<Self> {
+        Ok(Self { plane: Plane::find(pyramid, 0, 0)?, address })
     }
 
     /// The answer to one request.

@@ -115,6 +115,7 @@ impl<'a> Program<'a> {
                 ]);
                 (texel, lods)
             }
+            Filter::Sat => unreachable!("a summed-area table has no taps"),
             Filter::Texram | Filter::Feline | Filter::Fast => {
                 let axes = self.probes.axes([raw(0), raw(1)]);
                 let lod = self.limits[0].fractional(axes.level);

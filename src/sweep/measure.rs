@@ -88,7 +88,7 @@ pub fn on_stage(
     geometries: &[Geometry],
     measure: Measure,
 ) -> Result<Measured> {
-    let pyramids = Pyramids::for_filters(machine, &stage.top, &[filter])?;
+    let pyramids = Pyramids::for_filters(machine, &stage.texture, &[filter])?;
     let (pyramid, memory) = pyramids.of(filter);
     let bench = Bench::new(stage, machine, filter, pyramid, memory);
     if measure == Measure::All {

@@ -169,7 +169,7 @@ impl Plan {
         let mut points = Vec::new();
         for settings in crossed(&axes) {
             let given: Vec<String> = settings.iter().map(|(key, value)| format!("{key}={value}")).collect();
-            let machine = base.with(&given)?;
+            let machine = base.with_settings(&given)?;
             for (stage, _) in stages.iter().enumerate() {
                 for FilterName(filter) in &file.filters {
                     let (settings, machine) = (settings.clone(), machine.clone());

@@ -61,8 +61,7 @@ impl Player {
     pub fn with_texture(profile: &Profile, top: &PlaneImage) -> Result<Self> {
         let machine = &profile.machine;
         machine.check()?;
-        let pyramid = machine.texture.pyramid.pyramid(profile.filter.pyramid(), top)?;
-        let memory = TextureMemory::new(&pyramid, machine.texture.layout, machine.texture.format)?;
+        let Held { pyramid, memory } = machine.texture.hold(profile.filter.pyramid(), &top.clone().into())?;
         // The texel cache proper refuses what a plain one cannot know: texels larger than a line.
         let cache = crate::experiment::cache(machine, memory.surface.bytes_per_read())?.cache().clone();
         Ok(Self { sampler: profile.sampler(), pyramid, memory, cache })

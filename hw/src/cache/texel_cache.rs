@@ -206,7 +206,7 @@ impl Sink for TexelCache {
         }
         let planes = &mut self.planes[..];
         match &mut self.meter {
-            Meter { classifier: Some(classifier), line_use: Some(line_use) } => {
+            Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } => {
                 let watch = &mut FullWatch { classifier, line_use, planes, plane: 0 };
                 self.cache.access_taps(batch.taps, batch.texels_per_tap, watch);
             }
@@ -261,12 +261,9 @@ impl TapObserver for TapWatch<'_> {
     fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome) {
         let row = &mut self.planes[self.plane];
         row.lookups += TEXELS as u64;
-        row.misses += u64::from(!outcome.is_hit());
+        PlaneMeter { meter: self.meter, row }.lookup(addresses[0], line, outcome);
         if let Some(line_use) = &mut self.meter.line_use {
-            line_use.run(addresses, outcome);
-        }
-        if let Some(class) = self.meter.classifier.as_mut().and_then(|classifier| classifier.classify(line, outcome)) {
-            row.classes.count(class);
+            line_use.run(addresses, Outcome::Hit { slot: outcome.slot() });
         }
     }
 }
