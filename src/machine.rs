@@ -277,7 +277,9 @@ impl Machine {
             let shape = format!("{} sets x {} ways x {} bytes", self.cache.sets, self.cache.ways, self.cache.line);
             Error::setting("cache", shape, error.to_string(), "for instance 64 sets, 4 ways, 64 bytes a line")
         })?;
-        timing_settings::check(&self.timing, &self.memory, self.cache.line, self.texture.format.element_bytes())?;
+        // Blocks need banks as wide as they are, which a timed run asks for; a run that is not timed has no banks.
+        let bytes = self.texture.format.element_bytes().min(Format::Rgba8.element_bytes());
+        timing_settings::check(&self.timing, &self.memory, self.cache.line, bytes)?;
         self.energy.check()
     }
 
