@@ -320,7 +320,9 @@ impl Machine {
         })?;
         let build = &self.texture.pyramid;
         build.kernel.width(build.width)?;
-        timing_settings::check(&self.timing, &self.memory, self.cache.line, self.texture.format.element_bytes())?;
+        // Blocks need banks as wide as they are, which a timed run asks for; a run that is not timed has no banks.
+        let bytes = self.texture.format.element_bytes().min(Format::Rgba8.element_bytes());
+        timing_settings::check(&self.timing, &self.memory, self.cache.line, bytes)?;
         self.energy.check()
     }
 

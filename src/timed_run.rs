@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 use texunit_hw::{
-    Filter, LodSource, Request, Sampler, Unit,
+    Filter, Format, LodSource, Request, Sampler, Unit,
     timing::{Histograms, PlaneTiming, Timing, TimingCounters, TimingObserver},
 };
 
@@ -13,8 +13,8 @@ use crate::{
     front_end::FrontEnd,
     machine::Machine,
     names::Named,
-    pyramid::PlaneImage,
     scene::{Fragment, Scene},
+    texture_memory::Decompress,
 };
 
 /// What one filter took.
@@ -91,11 +91,13 @@ impl<'s> TimedBench<'s> {
     /// # Errors
     /// A pyramid that cannot be made or laid out.
     pub fn new(scene: &'s Scene, machine: &'s Machine, filters: &[Filter]) -> Result<Self> {
-        let image = scene.texture.image();
-        let texture = TextureImage { top: PlaneImage::of_image(&image), own: scene.texture.own_levels() };
-        let size = [texture.top.width, texture.top.height];
+        if machine.texture.decompress == Decompress::BeforeCache && machine.texture.format != Format::Rgba8 {
+            let problem = "there is no decompressor in the machine in time, whose fills are whole lines";
+            return Err(Error::setting("texture.decompress", "before-cache", problem, "time it with after-cache"));
+        }
+        let texture = scene.texture.texture_image();
         let pyramids = Pyramids::for_filters(machine, &texture, filters)?;
-        Ok(Self { machine, scene, fragments: scene.fragments().collect(), pyramids, size })
+        Ok(Self { machine, scene, fragments: scene.fragments().collect(), pyramids, size: scene.texture.size() })
     }
 
     fn requests(&self, filter: Filter) -> (Sampler, Vec<Request>) {

@@ -19,7 +19,7 @@ use crate::{
     error::{Error, Result},
     front_end::FrontEnd,
     machine::Machine,
-    pyramid::{PlaneImage, Pyramid},
+    pyramid::Pyramid,
     reference::{
         Reference,
         ideal::{Ideal, IdealSampler},
@@ -56,7 +56,7 @@ impl Stage {
     #[must_use]
     pub fn in_light(scene: Scene, srgb: bool) -> Self {
         let mut image = scene.texture.image();
-        let texture = TextureImage { top: PlaneImage::of_image(&image), own: scene.texture.own_levels() };
+        let texture = scene.texture.texture_image();
         if srgb {
             for pixel in Arc::make_mut(&mut image).pixels_mut() {
                 pixel.0 = srgb::linear_texel(pixel.0);

@@ -2,9 +2,7 @@
 
 use std::{fs::File, io::BufReader, path::Path};
 
-use image::{
-    DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, RgbaImage, codecs::png::PngEncoder,
-};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, codecs::png::PngEncoder};
 
 use super::PlaneImage;
 use crate::{
@@ -18,14 +16,6 @@ pub const LONGEST_SIDE: u32 = 1 << 20;
 /// Most texels of a texture: 2^30, 4 GiB of RGBA8.
 pub const MOST_TEXELS: u64 = 1 << 30;
 
-/// Reads a texture as plane (0, 0): [`read`] in the shape pyramids are made of.
-///
-/// # Errors
-/// Those of [`read`].
-pub fn load(path: &Path) -> Result<PlaneImage> {
-    read(path).map(|image| PlaneImage::of_image(&image))
-}
-
 /// Reads a texture from any file `image` reads, told apart by content first and name second.
 ///
 /// Texels are the file's sRGB values as they are: no colour profile, gamma or orientation is applied, alpha is not
@@ -34,7 +24,7 @@ pub fn load(path: &Path) -> Result<PlaneImage> {
 /// # Errors
 /// A missing or unreadable file; a file that is no image or a damaged one; a zero-sized or too large one, before its texels
 /// are allocated.
-pub fn read(path: &Path) -> Result<RgbaImage> {
+pub fn load(path: &Path) -> Result<PlaneImage> {
     let file = File::open(path).map_err(Error::io(path))?;
     let damaged = |error: image::ImageError| {
         Error::file(
@@ -55,7 +45,7 @@ pub fn read(path: &Path) -> Result<RgbaImage> {
     let decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width, height)?;
-    Ok(DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8())
+    Ok(PlaneImage::of_image(&DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8()))
 }
 
 /// Refuses sizes no texture can have.

@@ -7,7 +7,13 @@ use serde::Serialize;
 use texunit_hw::AddressMode;
 
 use super::{natural, noise::unit_hash};
-use crate::{error::Result, names::by_name_per_axis, texel_format::Stored, texture_file};
+use crate::{
+    error::Result,
+    names::by_name_per_axis,
+    pyramid::PlaneImage,
+    texel_format::Stored,
+    texture_file::{self, TextureImage},
+};
 
 /// The texture of a scene, and what happens beyond its edges.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -77,13 +83,14 @@ impl Texture {
         }
     }
 
-    /// The levels its file brought.
+    /// The texels as a texture to be stored, with the levels its file brought.
     #[must_use]
-    pub fn own_levels(&self) -> Option<Arc<Stored>> {
-        match &self.source {
+    pub fn texture_image(&self) -> TextureImage {
+        let own = match &self.source {
             TextureSource::Procedural(_) => None,
             TextureSource::File { own, .. } => own.clone(),
-        }
+        };
+        TextureImage { top: PlaneImage::of_image(&self.image()), own }
     }
 
     /// Width and height, texels.

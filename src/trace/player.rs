@@ -13,7 +13,7 @@ use crate::{
     error::{Error, Result},
     pyramid::{PlaneImage, Pyramid},
     reference::Reference,
-    texture_memory::TextureMemory,
+    texture_memory::{Held, TextureMemory},
 };
 
 /// The machine of a profile, bound to its texture.

@@ -61,6 +61,16 @@ struct Fills {
     fetched: u64,
 }
 
+impl Meter {
+    /// Counts what a miss took from memory, where that is not a line.
+    #[inline(always)]
+    fn fill(&mut self, line: u64, outcome: Outcome) {
+        if let (Some(fills), false) = (&mut self.fills, outcome.is_hit()) {
+            fills.fetched += u64::from(fills.by_line.get(line as usize).copied().unwrap_or(0));
+        }
+    }
+}
+
 /// Lends the meter the row of the plane being read.
 struct PlaneMeter<'a> {
     meter: &'a mut Meter,
@@ -76,9 +86,7 @@ impl Observer for PlaneMeter<'_> {
         if let Some(class) = self.meter.classifier.as_mut().and_then(|classifier| classifier.classify(line, outcome)) {
             self.row.classes.count(class);
         }
-        if let (Some(fills), false) = (&mut self.meter.fills, outcome.is_hit()) {
-            fills.fetched += u64::from(fills.by_line.get(line as usize).copied().unwrap_or(0));
-        }
+        self.meter.fill(line, outcome);
         self.row.misses += u64::from(!outcome.is_hit());
     }
 }
