@@ -4,6 +4,7 @@
 //! `TEXUNIT_BLESS=1` writes the generated files and traces instead of comparing them.
 
 mod clocks;
+mod hardware_page;
 mod lines;
 mod package;
 mod tools;
@@ -87,6 +88,14 @@ fn whole_units() -> [WholeUnit; 2] {
 fn the_package_and_the_log2_table_are_those_of_the_default_machine() {
     keep("hw/rtl/tex_pkg.sv", &package::package(&profile()));
     keep("hw/rtl/log2_table.sv", &package::log2_table());
+}
+
+#[test]
+fn the_hardware_page_shows_the_measured_areas() {
+    let read =
+        |path: &str| fs::read_to_string(repository().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"));
+    let page = "docs/hardware.md";
+    keep(page, &hardware_page::with_table(&read(page), &read("hw/syn/area.csv")));
 }
 
 #[test]
@@ -244,5 +253,5 @@ fn the_lerp_answers_all_inputs_like_the_rust_unit() {
 fn yosys_proves_what_the_units_promise() {
     let output = make("prove");
     let proved = output.lines().filter(|line| line.starts_with("PASS ")).count();
-    assert!(proved >= 12, "{proved} properties proved\n{output}");
+    assert!(proved >= 21, "{proved} properties proved\n{output}");
 }
