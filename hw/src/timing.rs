@@ -365,11 +365,12 @@ impl<O: TimingObserver> Timing<O> {
             let Access { line, slot, hit } = self.reads.access(number);
             let from = accessed.done.max(self.unblocked);
             self.ledgers.tag.stall_until(from, &mut self.counters.tag_stall_blocked);
-            let clock = self.tag_banks.earliest(line, from);
+            let bank = self.tag_banks.bank(line);
+            let clock = self.tag_banks.earliest(bank, from);
             self.counters.tag_bank_conflicts += u64::from(clock > from);
             let clock =
                 if hit { self.hit(plane, slot, clock) } else { self.miss(plane, line, slot, clock, &mut accessed) };
-            self.tag_banks.take(line, clock);
+            self.tag_banks.take(bank, clock);
             self.ledgers.tag.work(clock);
             accessed.done = clock;
         }

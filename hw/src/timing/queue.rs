@@ -9,17 +9,18 @@ pub(super) struct Fifo {
     free: Box<[u64]>,
     /// Place of the next item.
     next: usize,
-    /// Place of the oldest item still counted as held, and how many are.
-    oldest: usize,
-    held: usize,
+    /// Most places held, at least 1 here, and the place of the item that many before the next: one more are held when the next enters only if
+    /// that one still is.
     most: usize,
+    before: usize,
     /// Sum over items of the clocks they held a place.
     clocks: u64,
 }
 
 impl Fifo {
     pub(super) fn new(depth: u32) -> Self {
-        Self { free: vec![0; depth as usize].into(), next: 0, oldest: 0, held: 0, most: 0, clocks: 0 }
+        let free = vec![0; depth as usize].into();
+        Self { free, next: 0, most: 1, before: depth as usize - 1, clocks: 0 }
     }
 
     /// The first clock at which the next item can take a place.
@@ -39,19 +40,18 @@ impl Fifo {
     #[inline(always)]
     pub(super) fn pass(&mut self, enter: u64, free: u64) {
         let depth = self.free.len();
-        while self.held > 0 && self.free[self.oldest] <= enter {
-            self.oldest = if self.oldest + 1 == depth { 0 } else { self.oldest + 1 };
-            self.held -= 1;
+        if self.free[self.before] > enter {
+            self.most += 1;
+        } else {
+            self.before = if self.before + 1 == depth { 0 } else { self.before + 1 };
         }
-        self.held += 1;
-        self.most = self.most.max(self.held);
         self.clocks += free - enter;
         self.free[self.next] = free;
         self.next = if self.next + 1 == depth { 0 } else { self.next + 1 };
     }
 
     pub(super) const fn most(&self) -> u64 {
-        self.most as u64
+        if self.clocks == 0 { 0 } else { self.most as u64 }
     }
 
     pub(super) const fn clocks(&self) -> u64 {
