@@ -65,11 +65,13 @@ pub(super) struct Width {
     clock: u64,
     used: u32,
     width: u32,
+    /// Clocks with an item.
+    busy: u64,
 }
 
 impl Width {
     pub(super) const fn new(width: u32) -> Self {
-        Self { clock: 0, used: 0, width }
+        Self { clock: 0, used: 0, width, busy: 0 }
     }
 
     /// The first clock from `earliest` on with room.
@@ -81,7 +83,9 @@ impl Width {
     /// Counts an item in a clock that is not before the last.
     #[inline(always)]
     pub(super) fn count(&mut self, clock: u64) {
-        self.used = if clock == self.clock { self.used + 1 } else { 1 };
+        let fresh = clock != self.clock || self.used == 0;
+        self.used = if fresh { 1 } else { self.used + 1 };
+        self.busy += u64::from(fresh);
         self.clock = clock;
     }
 
@@ -91,6 +95,11 @@ impl Width {
         let clock = self.earliest(earliest);
         self.count(clock);
         clock
+    }
+
+    /// Clocks with an item.
+    pub(super) const fn busy(&self) -> u64 {
+        self.busy
     }
 
     /// The clock of the last item.
@@ -126,6 +135,19 @@ impl Ledger {
         *cause += clocks;
         self.next += clocks;
         clocks
+    }
+
+    /// An item at the door from `door` on, held up until `room` for a cause, and taken in `clock`.
+    #[inline(always)]
+    pub(super) fn take(&mut self, door: u64, room: u64, clock: u64, cause: &mut u64) {
+        if clock < self.next {
+            return;
+        }
+        if clock > self.next {
+            self.idle_until(door);
+            self.stall_until(room, cause);
+        }
+        self.work(clock);
     }
 
     /// Something done in `clock`, the next one or the last one entered.
