@@ -1,5 +1,5 @@
 //! What does time cost? Texels and cache alone against the same with the timing model, a trilinear floor.
-//! `cargo run --release -p texunit-hw --example timing_speed`
+//! `cargo run --release -p texunit-hw --example timing_speed -- [ROWS [ROUNDS]]`
 
 use std::{hint::black_box, time::Instant};
 
@@ -10,14 +10,15 @@ use texunit_hw::{
 };
 
 /// The floor of numerics-input 1.10 at 1920 x 1080: u = (x - 959.5) * 960 / d, v = 960 * 960 / d of a texture of 1024.
-fn requests() -> Vec<Request> {
-    let mut requests = Vec::with_capacity(1920 * 1080);
-    for y in 0..1080i64 {
+fn requests(rows: i64) -> Vec<Request> {
+    let mut requests = Vec::new();
+    for y in 1080 - rows..1080 {
         let d = 2 * y + 17; // twice the distance below the horizon
         for x in 0..1920i64 {
             let u = ((2 * x - 1919) * 960 << 10) / d;
             let v = (2 * 960 * 960 << 10) / d;
-            let per_pixel = (2 * 960) / d + 1;
+            // Texels a pixel: along x, or along y, where they are more.
+            let per_pixel = (2 * 960 / d).max(4 * 960 * 960 / (d * d)).max(1);
             let scale = (127 + u32::try_from(per_pixel * per_pixel).unwrap().ilog2()) << 23;
             let at = |c: i64| I12F20::from_bits((c & 0xFFFFF) as i32);
             requests.push(Request { scale: [scale, 0], ..Request::at(at(u), at(v)) });
@@ -27,7 +28,9 @@ fn requests() -> Vec<Request> {
 }
 
 fn main() {
-    let requests = requests();
+    let argument = |number| std::env::args().nth(number).and_then(|text| text.parse().ok());
+    let (rows, rounds) = (argument(1).unwrap_or(1080), argument(2).unwrap_or(5));
+    let requests = requests(rows);
     let surface = Surface::new(PyramidKind::Mipmap, Layout::default(), Format::Rgba8, 1024, 1024).unwrap();
     let bytes = vec![7; surface.bytes as usize];
     let sampler = Sampler { filter: Filter::Trilinear, ..Sampler::default() };
@@ -40,7 +43,7 @@ fn main() {
     ] {
         let cache = || TexelCache::new(geometry, Policy::Lru, 4, detail).unwrap();
         let (mut untimed, mut timed, mut dram_timed, mut cycles) = (f64::MAX, f64::MAX, f64::MAX, 0);
-        for _ in 0..5 {
+        for _ in 0..rounds {
             let begin = Instant::now();
             let mut sink = cache();
             let mut unit = Unit::new(&sampler, &surface, &bytes).unwrap();

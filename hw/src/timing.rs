@@ -116,14 +116,11 @@ pub struct Timing<O = ()> {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Ledgers {
-    entry: Ledger,
     lod: Ledger,
     sequencer: Ledger,
     tag: Ledger,
     miss_port: Ledger,
     data: Ledger,
-    datapath: Ledger,
-    result: Ledger,
 }
 
 /// A request on its way through the front end.
@@ -235,16 +232,10 @@ impl<O: TimingObserver> Timing<O> {
     #[inline(always)]
     fn start(&mut self) -> Started {
         let (ledgers, counters) = (&mut self.ledgers, &mut self.counters);
-        let room = self.request_fifo.room();
-        ledgers.entry.stall_until(room, &mut counters.entry_stall_request_fifo);
-        let entry = self.entry.take(room);
-        ledgers.entry.work(entry);
-
-        ledgers.lod.idle_until(entry + 1);
+        let entry = self.entry.take(self.request_fifo.room());
         let room = self.lod_fifo.room();
-        ledgers.lod.stall_until(room, &mut counters.lod_stall_lod_fifo);
         let lod = self.lod.take(room.max(entry + 1));
-        ledgers.lod.work(lod);
+        ledgers.lod.take(entry + 1, room, lod, &mut counters.lod_stall_lod_fifo);
         self.request_fifo.pass(entry, lod + 1);
         Started { entry, lod, ready: lod + u64::from(self.parameters.lod_latency) }
     }
@@ -252,9 +243,7 @@ impl<O: TimingObserver> Timing<O> {
     #[inline(always)]
     fn finish(&mut self, request: &Started, last: Timed, taps: usize, planes: usize) {
         let done = last.datapath + u64::from(self.parameters.filter_latency);
-        self.ledgers.result.idle_until(done);
         let result = self.result.take(done);
-        self.ledgers.result.work(result);
         self.lod_fifo.pass(request.lod, last.issue + 1);
         self.result_fifo.pass(last.data, result + 1);
 
@@ -284,12 +273,10 @@ impl<O: TimingObserver> Timing<O> {
         let Parameters { mode, address_latency, tag_latency, data_latency, .. } = self.parameters;
 
         // Sequencer and address unit.
-        let sequencer = &mut self.ledgers.sequencer;
-        sequencer.idle_until(request.ready);
         let room = self.tap_fifo.room();
-        sequencer.stall_until(room, &mut self.counters.sequencer_stall_tap_fifo);
         let issue = self.sequencer.take(room.max(request.ready));
-        sequencer.work(issue);
+        let stalls = &mut self.counters.sequencer_stall_tap_fifo;
+        self.ledgers.sequencer.take(request.ready, room, issue, stalls);
 
         // Tag unit.
         let at_door = issue + u64::from(address_latency);
@@ -330,9 +317,6 @@ impl<O: TimingObserver> Timing<O> {
         }
 
         let datapath = data_done + u64::from(data_latency);
-        self.ledgers.datapath.idle_until(datapath);
-        self.ledgers.datapath.work(datapath);
-
         let counters = &mut self.counters;
         counters.fill_write_clocks += writes;
         counters.data_conflict_clocks += data_done - data - writes;
@@ -365,11 +349,12 @@ impl<O: TimingObserver> Timing<O> {
             let Access { line, slot, hit } = self.reads.access(number);
             let from = accessed.done.max(self.unblocked);
             self.ledgers.tag.stall_until(from, &mut self.counters.tag_stall_blocked);
-            let clock = self.tag_banks.earliest(line, from);
+            let bank = self.tag_banks.bank(line);
+            let clock = self.tag_banks.earliest(bank, from);
             self.counters.tag_bank_conflicts += u64::from(clock > from);
             let clock =
                 if hit { self.hit(plane, slot, clock) } else { self.miss(plane, line, slot, clock, &mut accessed) };
-            self.tag_banks.take(line, clock);
+            self.tag_banks.take(bank, clock);
             self.ledgers.tag.work(clock);
             accessed.done = clock;
         }
@@ -471,14 +456,18 @@ impl<O: TimingObserver> Timing<O> {
             ledger.idle_until(cycles);
             (ledger.busy, ledger.idle)
         };
-        (c.entry_busy, c.entry_idle) = close(self.ledgers.entry);
+        // The requester is never without a request before the last; the datapath takes what the data unit finishes; neither it nor
+        // the result is ever held up.
+        c.entry_busy = self.entry.busy();
+        c.entry_idle = cycles - (self.entry.last() + 1).min(cycles);
+        c.entry_stall_request_fifo = cycles - c.entry_idle - c.entry_busy;
+        (c.datapath_busy, c.datapath_idle) = (self.data.busy(), cycles - self.data.busy());
+        (c.result_busy, c.result_idle) = (self.result.busy(), cycles - self.result.busy());
         (c.lod_busy, c.lod_idle) = close(self.ledgers.lod);
         (c.sequencer_busy, c.sequencer_idle) = close(self.ledgers.sequencer);
         (c.tag_busy, c.tag_idle) = close(self.ledgers.tag);
         (c.miss_port_busy, c.miss_port_idle) = close(self.ledgers.miss_port);
         (c.data_busy, c.data_idle) = close(self.ledgers.data);
-        (c.datapath_busy, c.datapath_idle) = close(self.ledgers.datapath);
-        (c.result_busy, c.result_idle) = close(self.ledgers.result);
 
         let usage = |fifo: &Fifo| (fifo.clocks(), fifo.most());
         (c.request_fifo_sum, c.request_fifo_max) = usage(&self.request_fifo);

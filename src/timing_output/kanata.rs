@@ -12,8 +12,7 @@ use super::{Recording, stages};
 pub fn write(writer: &mut dyn Write, recording: &Recording) -> Result<()> {
     // Commands by clock; of one clock, what ends before what begins.
     let mut commands: Vec<(u64, u8, u64, String)> = Vec::new();
-    let mut retired = 0;
-    for (tap, request) in recording.taps_with_requests() {
+    for (retired, (tap, request)) in recording.taps_with_requests().enumerate() {
         let id = tap.tap;
         commands.push((
             request.entry,
@@ -29,7 +28,6 @@ pub fn write(writer: &mut dyn Write, recording: &Recording) -> Result<()> {
             }
         }
         commands.push((request.result + 1, 3, id, format!("R\t{id}\t{retired}\t0")));
-        retired += 1;
     }
     // Lines of one tap overlap; the lane shows from the first miss to the last line.
     let mut fills = recording.recorded_fills().peekable();
@@ -45,7 +43,7 @@ pub fn write(writer: &mut dyn Write, recording: &Recording) -> Result<()> {
         commands.push((until, 0, id, format!("E\t{id}\t1\tMS")));
     }
     // Instructions appear in the order of their numbers, whatever the clock.
-    commands.sort_by(|a, b| (a.0, a.1, a.2).cmp(&(b.0, b.1, b.2)));
+    commands.sort_by_key(|command| (command.0, command.1, command.2));
     writeln!(writer, "Kanata\t0004")?;
     let mut clock = commands.first().map_or(0, |command| command.0);
     writeln!(writer, "C=\t{clock}")?;

@@ -63,11 +63,10 @@ impl Banks {
         bank as usize
     }
 
-    /// The first clock from `earliest` on at which the bank of a number has a port left, and takes it. Later calls for the bank must not ask
+    /// The first clock from `earliest` on at which a bank has a port left, and takes it. Later calls for the bank must not ask
     /// for an earlier clock than the answer to this one.
     #[inline(always)]
-    pub(super) fn take(&mut self, number: u64, earliest: u64) -> u64 {
-        let bank = self.bank(number);
+    pub(super) fn take(&mut self, bank: usize, earliest: u64) -> u64 {
         let ports = self.ports;
         let stamp = &mut self.stamps[bank];
         if stamp.clock < earliest {
@@ -82,8 +81,8 @@ impl Banks {
 
     /// The clock [`Self::take`] would answer, without taking it.
     #[inline(always)]
-    pub(super) fn earliest(&self, number: u64, earliest: u64) -> u64 {
-        let stamp = self.stamps[self.bank(number)];
+    pub(super) fn earliest(&self, bank: usize, earliest: u64) -> u64 {
+        let stamp = self.stamps[bank];
         if stamp.clock < earliest { earliest } else { stamp.clock + u64::from(stamp.used >= self.ports) }
     }
 }

@@ -55,7 +55,9 @@ impl DataBanks {
             }
         }
         if !self.masked {
-            let done = words[..count].iter().fold(begin, |done, &word| done.max(self.banks.take(word, begin)));
+            let done = words[..count]
+                .iter()
+                .fold(begin, |done, &word| done.max(self.banks.take(self.banks.bank(word), begin)));
             return (done, count as u64);
         }
         let (mut clock, mut left) = (begin, count);

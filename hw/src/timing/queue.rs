@@ -9,17 +9,18 @@ pub(super) struct Fifo {
     free: Box<[u64]>,
     /// Place of the next item.
     next: usize,
-    /// Place of the oldest item still counted as held, and how many are.
-    oldest: usize,
-    held: usize,
+    /// Most places held, at least 1 here, and the place of the item that many before the next: one more are held when the next enters only if
+    /// that one still is.
     most: usize,
+    before: usize,
     /// Sum over items of the clocks they held a place.
     clocks: u64,
 }
 
 impl Fifo {
     pub(super) fn new(depth: u32) -> Self {
-        Self { free: vec![0; depth as usize].into(), next: 0, oldest: 0, held: 0, most: 0, clocks: 0 }
+        let free = vec![0; depth as usize].into();
+        Self { free, next: 0, most: 1, before: depth as usize - 1, clocks: 0 }
     }
 
     /// The first clock at which the next item can take a place.
@@ -39,19 +40,18 @@ impl Fifo {
     #[inline(always)]
     pub(super) fn pass(&mut self, enter: u64, free: u64) {
         let depth = self.free.len();
-        while self.held > 0 && self.free[self.oldest] <= enter {
-            self.oldest = if self.oldest + 1 == depth { 0 } else { self.oldest + 1 };
-            self.held -= 1;
+        if self.free[self.before] > enter {
+            self.most += 1;
+        } else {
+            self.before = if self.before + 1 == depth { 0 } else { self.before + 1 };
         }
-        self.held += 1;
-        self.most = self.most.max(self.held);
         self.clocks += free - enter;
         self.free[self.next] = free;
         self.next = if self.next + 1 == depth { 0 } else { self.next + 1 };
     }
 
     pub(super) const fn most(&self) -> u64 {
-        self.most as u64
+        if self.clocks == 0 { 0 } else { self.most as u64 }
     }
 
     pub(super) const fn clocks(&self) -> u64 {
@@ -65,11 +65,13 @@ pub(super) struct Width {
     clock: u64,
     used: u32,
     width: u32,
+    /// Clocks with an item.
+    busy: u64,
 }
 
 impl Width {
     pub(super) const fn new(width: u32) -> Self {
-        Self { clock: 0, used: 0, width }
+        Self { clock: 0, used: 0, width, busy: 0 }
     }
 
     /// The first clock from `earliest` on with room.
@@ -81,7 +83,9 @@ impl Width {
     /// Counts an item in a clock that is not before the last.
     #[inline(always)]
     pub(super) fn count(&mut self, clock: u64) {
-        self.used = if clock == self.clock { self.used + 1 } else { 1 };
+        let fresh = clock != self.clock || self.used == 0;
+        self.used = if fresh { 1 } else { self.used + 1 };
+        self.busy += u64::from(fresh);
         self.clock = clock;
     }
 
@@ -91,6 +95,11 @@ impl Width {
         let clock = self.earliest(earliest);
         self.count(clock);
         clock
+    }
+
+    /// Clocks with an item.
+    pub(super) const fn busy(&self) -> u64 {
+        self.busy
     }
 
     /// The clock of the last item.
@@ -126,6 +135,19 @@ impl Ledger {
         *cause += clocks;
         self.next += clocks;
         clocks
+    }
+
+    /// An item at the door from `door` on, held up until `room` for a cause, and taken in `clock`.
+    #[inline(always)]
+    pub(super) fn take(&mut self, door: u64, room: u64, clock: u64, cause: &mut u64) {
+        if clock < self.next {
+            return;
+        }
+        if clock > self.next {
+            self.idle_until(door);
+            self.stall_until(room, cause);
+        }
+        self.work(clock);
     }
 
     /// Something done in `clock`, the next one or the last one entered.

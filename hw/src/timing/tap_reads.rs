@@ -19,6 +19,8 @@ pub(super) struct TapReads {
     /// Reads seen.
     pub(super) reads: u64,
     count: usize,
+    /// Line of the read before.
+    last: u64,
     accesses: [Access; READS_MAX],
 }
 
@@ -44,7 +46,9 @@ impl Observer for TapReads {
     fn lookup(&mut self, _: u64, line: u64, outcome: Outcome) {
         self.reads += 1;
         let hit = outcome.is_hit();
-        if hit && self.accesses[..self.count].iter().any(|access| access.line == line) {
+        let again = line == self.last && self.count > 0;
+        self.last = line;
+        if hit && (again || self.accesses[..self.count].iter().any(|access| access.line == line)) {
             return;
         }
         self.accesses[self.count] = Access { line, slot: outcome.slot(), hit };
