@@ -428,8 +428,6 @@ fn any_sampler() -> impl Strategy<Value = Sampler> {
             lod_source: if explicit { LodSource::Explicit } else { LodSource::Gradient },
             log2: Log2::Exact,
             level_rounding,
-            max_anisotropy: 16,
-            brilinear_threshold: 64,
             bias: levels.0,
             min_lod: levels.1,
             max_lod: levels.2,

@@ -35,7 +35,7 @@ fn a_box_is_as_wide_as_the_footprint_and_moved_to_the_nearest_texel_borders() {
         (0.0, 2.0, [45, 10, 5, 10]),  // texels -1 and 0
         (4.0, 4.0, [38, 70, 30, 60]), // 2 to 5: 40 + 80, and 10 + 20, 80 + 80, nothing, 80 + 40
         (0.5, 9.0, [34, 30, 17, 42]), // -4 to 4: 150 is in it, and 160, 120, nothing and 230
-        (-5.5, 1.0, [40, 10, 0, 20]), // texel -6
+        (-5.5, 1.0, [40, 10, 0, 40]), // texel -6
     ];
     for (centre, width, expected) in rows {
         let request = Request {

@@ -37,8 +37,8 @@ impl Footprint {
         let texels = gradient.in_texels(size);
         let length = |u: f64, v: f64| u * u + v * v;
         // Equal or undefined: the x axis.
-        let x_is_longer = !(length(texels.ux, texels.vx) < length(texels.uy, texels.vy));
-        let [longer, shorter] = if x_is_longer { [[ux, vx], [uy, vy]] } else { [[uy, vy], [ux, vx]] };
+        let y_is_longer = length(texels.uy, texels.vy) > length(texels.ux, texels.vx);
+        let [longer, shorter] = if y_is_longer { [[uy, vy], [ux, vx]] } else { [[ux, vx], [uy, vy]] };
         let ellipse = Ellipse::of(texels);
         let singular = ellipse.radius.map(|radius| radius * radius);
         let none = [0.0; 2];
