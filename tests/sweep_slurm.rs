@@ -47,8 +47,7 @@ impl Drop for Cluster {
 
 impl Cluster {
     fn start() -> Option<Self> {
-        let [munged, controller, node] =
-            [found("munged")?, found("slurmctld")?, found("slurmd")?];
+        let [munged, controller, node] = [found("munged")?, found("slurmctld")?, found("slurmd")?];
         found("sbatch")?;
         // Sockets have short names: not below the build folder.
         let folder = tempfile::Builder::new().prefix("texunit-slurm-").tempdir_in("/tmp").unwrap();
@@ -80,13 +79,29 @@ impl Cluster {
         let mut cluster = Self { folder, daemons: Vec::new() };
         let root = cluster.folder.path().display().to_string();
         let munge = |name: &str| format!("--{name}={root}/munge/{name}");
-        cluster.spawn(&munged, &["--foreground", "--force", &format!("--key-file={root}/munge.key"),
-            &format!("--socket={root}/munge/socket"), &munge("pid-file"), &munge("log-file"), &munge("seed-file")]);
+        cluster.spawn(
+            &munged,
+            &[
+                "--foreground",
+                "--force",
+                &format!("--key-file={root}/munge.key"),
+                &format!("--socket={root}/munge/socket"),
+                &munge("pid-file"),
+                &munge("log-file"),
+                &munge("seed-file"),
+            ],
+        );
         wait_for("the socket of munged", || Path::new(&format!("{root}/munge/socket")).exists());
         let configuration = format!("{root}/slurm.conf");
         cluster.spawn(&controller, &["-D", "-i", "-f", &configuration]);
         cluster.spawn(&node, &["-D", "-f", &configuration]);
-        wait_for("an idle node", || cluster.command("sinfo").args(["-h", "-o", "%T"]).output().is_ok_and(|output| output.stdout.starts_with(b"idle")));
+        wait_for("an idle node", || {
+            cluster
+                .command("sinfo")
+                .args(["-h", "-o", "%T"])
+                .output()
+                .is_ok_and(|output| output.stdout.starts_with(b"idle"))
+        });
         Some(cluster)
     }
 
@@ -146,7 +161,11 @@ fn the_array_runs_every_point_and_the_merge_after_it() {
     };
     texunit(&["sweep", "run", "s.toml", "-o", "here"]);
     // Six points in three tasks of two.
-    fs::write(folder.join("job.sh"), texunit(&["sweep", "slurm", "s.toml", "-o", "there", "--tasks", "3", "--at-once", "2"])).unwrap();
+    fs::write(
+        folder.join("job.sh"),
+        texunit(&["sweep", "slurm", "s.toml", "-o", "there", "--tasks", "3", "--at-once", "2"]),
+    )
+    .unwrap();
     let submitted = cluster.command("sh").arg("job.sh").current_dir(&folder).output().unwrap();
     assert!(submitted.status.success(), "{}", String::from_utf8_lossy(&submitted.stderr));
     let merged = folder.join("there/sweep.csv");

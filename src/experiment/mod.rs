@@ -9,11 +9,15 @@ use texunit_hw::{
     cache::{Counters, Detail as CacheDetail, PlaneCounters, TexelCache},
 };
 
+mod addresses;
 mod deviation;
+mod image_quality;
 pub mod report;
 pub mod verify;
 
+pub use addresses::AddressBench;
 pub use deviation::Deviation;
+pub use image_quality::ImageQuality;
 
 use crate::{
     error::{Error, Result},
@@ -105,6 +109,8 @@ pub struct Outcome {
     pub against_truth: Deviation,
     /// Deviation from the unquantised filter.
     pub against_ideal: Deviation,
+    /// What the eye sees of the difference from the ground truth.
+    pub quality: ImageQuality,
     /// Wall time of this machine for the whole scene: texels and exact cache, one thread.
     pub host_seconds: f64,
 }
@@ -233,6 +239,7 @@ impl<'s> Bench<'s> {
             first_mismatch,
             against_truth: self.against_truth(&responses),
             against_ideal: self.against_ideal(&responses)?,
+            quality: ImageQuality::of(self.stage, &responses),
             host_seconds,
             responses,
         })
