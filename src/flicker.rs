@@ -53,11 +53,11 @@ impl Flicker {
         let mut unit = bench.unit()?;
         let mut warm = match self.cache.take() {
             Some(cache) => cache,
-            None => cache(machine, memory.surface.bytes_per_read())?,
+            None => memory.behind(cache(machine, memory.surface.bytes_per_read())?),
         };
         unit.run(&bench.requests, &mut responses, &mut warm);
         self.cache = Some(warm);
-        let mut cold = cache(machine, memory.surface.bytes_per_read())?;
+        let mut cold = memory.behind(cache(machine, memory.surface.bytes_per_read())?);
         unit.addresses(&bench.requests, &mut cold);
         self.cold_bytes += cold.counters().bytes_fetched;
         self.pixels += responses.len() as u64;

@@ -8,8 +8,8 @@ use texunit_hw::{
 };
 
 use crate::{
-    energy::EnergyTable,
     annotated,
+    energy::EnergyTable,
     error::{Error, Result},
     names::{Named, by_name},
     pyramid::Build,

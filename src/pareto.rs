@@ -115,7 +115,7 @@ impl<'s> Study<'s> {
         let at = match self.pyramids.iter().position(known) {
             Some(at) => at,
             None => {
-                let pyramids = Pyramids::for_filters(&machine, &self.stage.top, &[filter])?;
+                let pyramids = Pyramids::for_filters(&machine, &self.stage.texture, &[filter])?;
                 self.pyramids.push((machine.texture.clone(), kind, pyramids));
                 self.pyramids.len() - 1
             }
@@ -123,7 +123,7 @@ impl<'s> Study<'s> {
         let (pyramid, memory) = self.pyramids[at].2.of(filter);
         let bench = Bench::new(self.stage, &machine, filter, pyramid, memory);
         let mut responses = vec![Response::default(); bench.requests.len()];
-        let mut cache = cache(&machine, memory.surface.bytes_per_read())?;
+        let mut cache = memory.behind(cache(&machine, memory.surface.bytes_per_read())?);
         let begin = Instant::now();
         bench.unit()?.run(&bench.requests, &mut responses, &mut cache);
         let seconds = begin.elapsed().as_secs_f64();

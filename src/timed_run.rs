@@ -15,6 +15,7 @@ use crate::{
     names::Named,
     pyramid::PlaneImage,
     scene::{Fragment, Scene},
+    texture_file::TextureImage,
 };
 
 /// What one filter took.
@@ -92,9 +93,9 @@ impl<'s> TimedBench<'s> {
     /// A pyramid that cannot be made or laid out.
     pub fn new(scene: &'s Scene, machine: &'s Machine, filters: &[Filter]) -> Result<Self> {
         let image = scene.texture.image();
-        let top = PlaneImage::of_image(&image);
-        let size = [top.width, top.height];
-        let pyramids = Pyramids::for_filters(machine, &top, filters)?;
+        let texture = TextureImage { top: PlaneImage::of_image(&image), own: scene.texture.own_levels() };
+        let size = [texture.top.width, texture.top.height];
+        let pyramids = Pyramids::for_filters(machine, &texture, filters)?;
         Ok(Self { machine, scene, fragments: scene.fragments().collect(), pyramids, size })
     }
 

@@ -67,10 +67,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         let mut flickers: Vec<Flicker> = filters.iter().map(|&filter| Flicker::new(filter)).collect();
         let mut pyramids = None;
         for number in 0..scene.frame_count() {
-            let stage = Stage::new(scene.frame(number));
+            let stage = Stage::in_light(scene.frame(number), machine.texture.srgb);
             let pyramids = match &mut pyramids {
                 Some(made) => made,
-                none => none.insert(Pyramids::for_filters(&machine, &stage.top, &filters)?),
+                none => none.insert(Pyramids::for_filters(&machine, &stage.texture, &filters)?),
             };
             flickers.par_iter_mut().try_for_each(|flicker| flicker.frame(&stage, &machine, pyramids))?;
             progress.inc(1);

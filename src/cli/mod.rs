@@ -12,9 +12,9 @@ mod reuse;
 mod run;
 mod sample;
 mod scenes;
+mod sweep;
 mod time;
 mod trace;
-mod sweep;
 mod verify;
 
 use std::{

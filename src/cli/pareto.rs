@@ -74,7 +74,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let mut studied = Vec::new();
     for scene in scenes {
         progress.set_message(format!("{}: ground truth", scene.name));
-        let stage = Stage::new(scene);
+        let stage = Stage::in_light(scene, machine.texture.srgb);
         let mut study = Study::new(&stage);
         let mut candidates = Vec::new();
         for variant in &variants {

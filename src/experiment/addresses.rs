@@ -1,6 +1,6 @@
 //! The address stream of a scene alone: what studies of caches need, without a texel being made.
 
-use texunit_hw::{Filter, LodSource, Sampler, Surface, Unit, unit::Sink};
+use texunit_hw::{Filter, Format, LodSource, Sampler, Surface, Unit, unit::Sink};
 
 use crate::{
     error::{Error, Result},
@@ -31,7 +31,9 @@ impl AddressBench {
             let layout = layout_name(machine.texture.layout);
             Error::setting("texture.layout", layout, problem, "use tiled-4x4, which takes every texture")
         };
-        let surface = Surface::new(filter.pyramid(), machine.texture.layout, machine.texture.format, width, height)
+        // Where a decompressor stands before the cache, the cache sees what it makes.
+        let format = if machine.texture.decompresses_before_cache() { Format::Rgba8 } else { machine.texture.format };
+        let surface = Surface::new(filter.pyramid(), machine.texture.layout, format, width, height)
             .map_err(|error| wrong(error.to_string()))?;
         // Addresses do not depend on texels: memory that is never written takes no room.
         let bytes = vec![0; usize::try_from(surface.bytes).map_err(|_| wrong(format!("{} bytes", surface.bytes)))?];

@@ -65,7 +65,7 @@ pub fn on_stage(
     geometries: &[Geometry],
     measure: Measure,
 ) -> Result<Measured> {
-    let pyramids = Pyramids::for_filters(machine, &stage.top, &[filter])?;
+    let pyramids = Pyramids::for_filters(machine, &stage.texture, &[filter])?;
     let (pyramid, memory) = pyramids.of(filter);
     let bench = Bench::new(stage, machine, filter, pyramid, memory);
     if measure == Measure::All {
@@ -88,6 +88,10 @@ pub fn on_stage(
 }
 
 fn caches(machine: &Machine, geometries: &[Geometry]) -> Result<Caches> {
+    if machine.texture.decompresses_before_cache() {
+        let problem = "a fill then fetches more from one line than from another, which one pass does not weigh";
+        return Err(Error::setting("texture.decompress", "before-cache", problem, "use measure = \"all\""));
+    }
     let wrong = |problem: String| {
         Error::setting("cache", &machine.cache.policy, problem, "for instance 64 sets, 4 ways, 64 bytes a line")
     };

@@ -13,7 +13,8 @@ use crate::{
     error::{Error, Result},
     pyramid::{PlaneImage, Pyramid},
     reference::Reference,
-    texture_memory::TextureMemory,
+    texture_file::TextureImage,
+    texture_memory::{Held, TextureMemory},
 };
 
 /// The machine of a profile, bound to its texture.
@@ -61,8 +62,8 @@ impl Player {
     pub fn with_texture(profile: &Profile, top: &PlaneImage) -> Result<Self> {
         let machine = &profile.machine;
         machine.check()?;
-        let pyramid = machine.texture.pyramid.pyramid(profile.filter.pyramid(), top)?;
-        let memory = TextureMemory::new(&pyramid, machine.texture.layout, machine.texture.format)?;
+        let texture = TextureImage::from(top.clone());
+        let Held { pyramid, memory } = machine.texture.hold(profile.filter.pyramid(), &texture)?;
         // The texel cache proper refuses what a plain one cannot know: texels larger than a line.
         let cache = crate::experiment::cache(machine, memory.surface.bytes_per_read())?.cache().clone();
         Ok(Self { sampler: profile.sampler(), pyramid, memory, cache })

@@ -206,7 +206,7 @@ impl Sink for TexelCache {
         }
         let planes = &mut self.planes[..];
         match &mut self.meter {
-            Meter { classifier: Some(classifier), line_use: Some(line_use) } => {
+            Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } => {
                 let watch = &mut FullWatch { classifier, line_use, planes, plane: 0 };
                 self.cache.access_taps(batch.taps, batch.texels_per_tap, watch);
             }
