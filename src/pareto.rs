@@ -132,6 +132,7 @@ impl<'s> Study<'s> {
         metrics.push(report::host_metric(seconds, pixels));
         metrics.extend(report::deviation_metrics(report::AGAINST_TRUTH, &bench.against_truth(&responses)));
         metrics.extend(ImageQuality::of(self.stage, &responses).metrics());
+        metrics.extend(bench.time(&machine)?.metrics());
         Ok(Candidate { variant: variant.clone(), metrics, front: false })
     }
 }

@@ -37,8 +37,8 @@ pub struct Args {
     /// The error: rmse, psnr, worst, ssim, alias_energy, blur_energy
     #[arg(long, default_value = "rmse")]
     error: String,
-    /// The cost: bytes_per_pixel_cached, bytes_per_pixel_uncached, reads_per_pixel, misses, host_ns_per_pixel
-    #[arg(long, default_value = "bytes_per_pixel_cached")]
+    /// The cost: cycles_per_pixel, energy_pj_per_pixel, bytes_per_pixel_cached, bytes_per_pixel_uncached, reads_per_pixel, misses, host_ns_per_pixel
+    #[arg(long, default_value = "cycles_per_pixel")]
     cost: String,
     /// Filters as the machine has them, without turning their own knobs
     #[arg(long)]
@@ -112,8 +112,17 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 /// The front, cheapest first, and how many variants it left behind.
 fn print(scene: &str, candidates: &[Candidate], args: &Args) {
     let mut table = Table::new();
-    let columns =
-        [args.cost.as_str(), args.error.as_str(), "psnr", "ssim", "alias_energy", "worst", "host_ns_per_pixel"];
+    let columns = [
+        args.cost.as_str(),
+        args.error.as_str(),
+        "bytes_per_pixel_cached",
+        "energy_pj_per_pixel",
+        "psnr",
+        "ssim",
+        "alias_energy",
+        "worst",
+        "host_ns_per_pixel",
+    ];
     let mut heads = vec!["filter", "settings"];
     heads.extend(columns);
     table.load_style(presets::UTF8_BORDERS_ONLY).set_header(heads);

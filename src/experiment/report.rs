@@ -90,6 +90,7 @@ pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
     metrics
         .extend(deviation_metrics(["rmse_ideal", "psnr_ideal", "worst_ideal", "mean_ideal"], &outcome.against_ideal));
     metrics.extend(outcome.quality.metrics());
+    metrics.extend(outcome.timed.metrics());
     metrics
 }
 
@@ -109,6 +110,7 @@ pub fn table(outcomes: &[Outcome]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_BORDERS_ONLY).set_header([
         "filter",
+        "cycles\n/pixel",
         "reads\n/pixel",
         "misses",
         "miss\nrate %",
@@ -133,6 +135,7 @@ pub fn table(outcomes: &[Outcome]) -> Table {
         };
         table.add_row([
             outcome.filter.name().into(),
+            number("cycles_per_pixel", 2, 1.0),
             number("reads_per_pixel", 1, 1.0),
             number("misses", 0, 1.0),
             number("miss_rate", 2, 100.0),
