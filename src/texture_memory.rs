@@ -141,6 +141,12 @@ fn refused(storage: &Storage, problem: String) -> Error {
 }
 
 impl Texture {
+    /// Whether the cache holds other bytes than the memory.
+    #[must_use]
+    pub fn decompresses_before_cache(&self) -> bool {
+        self.decompress == Decompress::BeforeCache && self.format != Format::Rgba8
+    }
+
     /// What of this says how planes are stored.
     #[must_use]
     pub const fn storage(&self) -> Storage {

@@ -9,12 +9,13 @@ use texunit_hw::{
 use crate::{
     energy::Energy,
     error::{Error, Result},
-    experiment::{Pyramids, cache},
+    experiment::{Pyramids, cache, report::Metric},
     front_end::FrontEnd,
     machine::Machine,
     names::Named,
     scene::{Fragment, Scene},
     texture_memory::Decompress,
+    texture_memory::TextureMemory,
 };
 
 /// What one filter took.
@@ -41,6 +42,21 @@ impl Timed {
     #[must_use]
     pub fn cycles_per_request(&self) -> f64 {
         self.counters.cycles as f64 / self.counters.requests.max(1) as f64
+    }
+
+    /// Clocks, the clocks each stall took, and energy, for each request.
+    #[must_use]
+    pub fn metrics(&self) -> Vec<Metric> {
+        let requests = self.counters.requests.max(1) as f64;
+        let metric = |name, value: f64, unit| Metric { name, value: Some(value / requests), unit };
+        let stalls = TimingCounters::FIELDS.iter().zip(self.counters.values());
+        let stalls = stalls.filter(|((name, _), _)| name.starts_with("stall_"));
+        let mut metrics = vec![
+            metric("cycles_per_pixel", self.counters.cycles as f64, "clock/pixel"),
+            metric("energy_pj_per_pixel", self.energy.total(), "pJ/pixel"),
+        ];
+        metrics.extend(stalls.map(|((name, _), clocks)| metric(name, clocks as f64, "clock/pixel")));
+        metrics
     }
 
     /// Every counter by name, with its definition; planes, histograms and energy below.
@@ -119,39 +135,55 @@ impl<'s> TimedBench<'s> {
     /// A machine that cannot run.
     pub fn time<O: TimingObserver>(&self, filter: Filter, epoch: Option<usize>, observer: O) -> Result<(Timed, O)> {
         let (_, memory) = self.pyramids.of(filter);
-        let surface = &memory.surface;
         let (sampler, requests) = self.requests(filter);
-        let wrong = |problem: String| Error::setting("machine", &self.machine.name, problem, "change the machine");
-        let mut unit = Unit::new(&sampler, surface, &memory.bytes).map_err(|error| wrong(error.to_string()))?;
-        let texels = if filter == Filter::Point { 1 } else { 4 };
-        let cache = cache(self.machine, surface.bytes_per_read())?;
-        let mut timing = Timing::new(
-            &self.machine.timing.parameters(),
-            &self.machine.memory.parameters(),
-            cache,
-            texels * surface.reads_per_texel(),
-            observer,
-        )
-        .map_err(|error| wrong(error.to_string()))?;
-        let mut epochs = Vec::new();
-        for requests in requests.chunks(epoch.unwrap_or(usize::MAX).max(1)) {
-            unit.addresses(requests, &mut timing);
-            if epoch.is_some() {
-                epochs.push(timing.counters());
-            }
-        }
-        let counters = timing.counters();
-        let planes = surface.planes.iter().map(|plane| (plane.lu, plane.lv)).zip(timing.planes()).collect();
-        let word = self.machine.timing.data_bank_bytes;
-        let timed = Timed {
-            filter,
-            counters,
-            planes,
-            histograms: *timing.histograms(),
-            epochs,
-            bytes_requested: timing.cache().counters().bytes_requested,
-            energy: self.machine.energy.of(&counters, word, self.machine.cache.line, texels),
-        };
-        Ok((timed, timing.into_observer()))
+        time_requests(self.machine, &sampler, memory, &requests, epoch, observer)
     }
+}
+
+/// Times requests of a texture in memory, an epoch every so many of them, with someone watching.
+///
+/// # Errors
+/// A machine that cannot run.
+pub fn time_requests<O: TimingObserver>(
+    machine: &Machine,
+    sampler: &Sampler,
+    memory: &TextureMemory,
+    requests: &[Request],
+    epoch: Option<usize>,
+    observer: O,
+) -> Result<(Timed, O)> {
+    let filter = sampler.filter;
+    let surface = &memory.surface;
+    let wrong = |problem: String| Error::setting("machine", &machine.name, problem, "change the machine");
+    let mut unit = Unit::new(sampler, surface, &memory.bytes).map_err(|error| wrong(error.to_string()))?;
+    let texels = if filter == Filter::Point { 1 } else { 4 };
+    let cache = cache(machine, surface.bytes_per_read())?;
+    let mut timing = Timing::new(
+        &machine.timing.parameters(),
+        &machine.memory.parameters(),
+        cache,
+        texels * surface.reads_per_texel(),
+        observer,
+    )
+    .map_err(|error| wrong(error.to_string()))?;
+    let mut epochs = Vec::new();
+    for requests in requests.chunks(epoch.unwrap_or(usize::MAX).max(1)) {
+        unit.addresses(requests, &mut timing);
+        if epoch.is_some() {
+            epochs.push(timing.counters());
+        }
+    }
+    let counters = timing.counters();
+    let planes = surface.planes.iter().map(|plane| (plane.lu, plane.lv)).zip(timing.planes()).collect();
+    let word = machine.timing.data_bank_bytes;
+    let timed = Timed {
+        filter,
+        counters,
+        planes,
+        histograms: *timing.histograms(),
+        epochs,
+        bytes_requested: timing.cache().counters().bytes_requested,
+        energy: machine.energy.of(&counters, word, machine.cache.line, texels),
+    };
+    Ok((timed, timing.into_observer()))
 }

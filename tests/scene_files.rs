@@ -27,7 +27,7 @@ fn parse(source: &str) -> Result<Scene, String> {
 
 #[test]
 fn every_built_in_scene_loads_under_its_own_name_and_covers_pixels() {
-    assert_eq!(Scene::builtin_names().count(), 8);
+    assert_eq!(Scene::builtin_names().count(), 9);
     for name in Scene::builtin_names() {
         let scene = Scene::find(name).unwrap();
         assert_eq!(scene.name, name);

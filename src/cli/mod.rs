@@ -3,8 +3,12 @@
 mod cache;
 mod drift;
 mod explain;
+mod frames;
 mod kernels;
 mod mips;
+mod pareto;
+mod report;
+mod reuse;
 mod run;
 mod sample;
 mod scenes;
@@ -38,8 +42,12 @@ enum Command {
     Sweep(sweep::Args),
     Drift(drift::Args),
     Explain(explain::Args),
+    Frames(frames::Args),
     Kernels(kernels::Args),
     Mips(mips::Args),
+    Pareto(pareto::Args),
+    Report(report::Args),
+    Reuse(reuse::Args),
     Run(run::Args),
     Sample(sample::Args),
     Time(Box<time::Args>),
@@ -93,8 +101,12 @@ pub fn main() -> ExitCode {
         Command::Sweep(args) => sweep::run(&args),
         Command::Drift(args) => drift::run(args),
         Command::Explain(args) => explain::run(&args),
+        Command::Frames(args) => frames::run(&args),
         Command::Kernels(args) => kernels::run(args),
         Command::Mips(args) => mips::run(args),
+        Command::Pareto(args) => pareto::run(&args),
+        Command::Report(args) => report::run(&args),
+        Command::Reuse(args) => reuse::run(&args),
         Command::Run(args) => run::run(&args),
         Command::Sample(args) => sample::run(&args),
         Command::Time(args) => time::run(&args),

@@ -46,6 +46,7 @@ pub struct Args {
     machine: super::MachineArgs,
 }
 
+/// A size on a command line.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     text.split_once('x')
         .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]))
@@ -112,7 +113,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 }
 
 /// The scenes of names and files, all that ship if there are none.
-fn scenes(names: &[String], size: Option<[u32; 2]>) -> Result<Vec<Scene>> {
+pub(super) fn scenes(names: &[String], size: Option<[u32; 2]>) -> Result<Vec<Scene>> {
     let mut scenes: Vec<Scene> = if names.is_empty() {
         Scene::builtins()?
     } else {

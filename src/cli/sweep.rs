@@ -105,9 +105,9 @@ impl Common {
         let pool =
             pool.map_err(|error| Error::setting("--jobs", self.jobs.unwrap_or(0), error.to_string(), "fewer"))?;
         let done = pool.install(|| {
-            points.chunk_by(|one, next| one.stage == next.stage).try_for_each(|points| {
+            points.chunk_by(|one, next| one.stage_key() == next.stage_key()).try_for_each(|points| {
                 progress.set_message(plan.stages[points[0].stage].scene.name.clone());
-                let stage = plan.stage(points[0].stage);
+                let stage = plan.stage(points[0]);
                 points.par_iter().try_for_each(|point| -> Result<()> {
                     if !STOP.load(Ordering::Relaxed) {
                         store.write(plan, point, &plan.measure(point, stage.as_ref())?)?;

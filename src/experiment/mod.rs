@@ -9,11 +9,15 @@ use texunit_hw::{
     cache::{Counters, Detail as CacheDetail, PlaneCounters, TexelCache},
 };
 
+mod addresses;
 mod deviation;
+mod image_quality;
 pub mod report;
 pub mod verify;
 
+pub use addresses::AddressBench;
 pub use deviation::Deviation;
+pub use image_quality::ImageQuality;
 
 use crate::{
     error::{Error, Result},
@@ -28,6 +32,7 @@ use crate::{
     texel_format::srgb,
     texture_file::TextureImage,
     texture_memory::{Held, TextureMemory},
+    timed_run::{Timed, time_requests},
 };
 
 /// A scene with everything that does not depend on the filter.
@@ -104,6 +109,10 @@ pub struct Outcome {
     pub against_truth: Deviation,
     /// Deviation from the unquantised filter.
     pub against_ideal: Deviation,
+    /// What it took in time.
+    pub timed: Timed,
+    /// What the eye sees of the difference from the ground truth.
+    pub quality: ImageQuality,
     /// Wall time of this machine for the whole scene: texels and exact cache, one thread.
     pub host_seconds: f64,
 }
@@ -233,9 +242,19 @@ impl<'s> Bench<'s> {
             first_mismatch,
             against_truth: self.against_truth(&responses),
             against_ideal: self.against_ideal(&responses)?,
+            timed: self.time(machine)?,
+            quality: ImageQuality::of(self.stage, &responses),
             host_seconds,
             responses,
         })
+    }
+
+    /// Times the requests through the machine.
+    ///
+    /// # Errors
+    /// A machine that cannot run.
+    pub fn time(&self, machine: &Machine) -> Result<Timed> {
+        Ok(time_requests(machine, &self.sampler, self.memory, &self.requests, None, ())?.0)
     }
 
     /// Counts answers that differ from the float reference in any bit of texel or level.

@@ -4,6 +4,8 @@ use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use texunit_hw::cache::Counters;
+
 use super::{Deviation, Outcome, Stage};
 use crate::{machine::Machine, names::Named};
 
@@ -36,16 +38,13 @@ pub fn deviation_metrics(names: [&'static str; 4], deviation: &Deviation) -> [Me
     ]
 }
 
-/// Everything countable about an outcome, in the order of the report.
+/// What a cache did, and what that is for each pixel.
 #[must_use]
-pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
-    let counters = &outcome.counters;
-    let pixels = outcome.responses.len() as f64;
-    let per_pixel = |count: u64| count as f64 / pixels.max(1.0);
+pub fn traffic_metrics(counters: &Counters, pixels: u64) -> Vec<Metric> {
+    let per_pixel = |count: u64| count as f64 / pixels.max(1) as f64;
     let share = |part: u64, whole: u64| if whole == 0 { 0.0 } else { part as f64 / whole as f64 };
-    let metric = |name, value: f64, unit| Metric { name, value: Some(value), unit };
-    let mut metrics = vec![
-        metric("pixels", pixels, "pixel"),
+    vec![
+        metric("pixels", pixels as f64, "pixel"),
         metric("reads_per_pixel", per_pixel(counters.lookups), "read/pixel"),
         metric("lookups", counters.lookups as f64, "read"),
         metric("hits", counters.hits as f64, "read"),
@@ -61,17 +60,48 @@ pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
         metric("line_use", share(counters.bytes_used, counters.bytes_filled), "1"),
         metric("bytes_per_pixel_uncached", per_pixel(counters.bytes_requested), "B/pixel"),
         metric("bytes_per_pixel_cached", per_pixel(counters.bytes_fetched), "B/pixel"),
+    ]
+}
+
+fn metric(name: &'static str, value: f64, unit: &'static str) -> Metric {
+    Metric { name, value: Some(value), unit }
+}
+
+/// Nanoseconds of this computer a pixel.
+#[must_use]
+pub fn host_metric(seconds: f64, pixels: u64) -> Metric {
+    metric("host_ns_per_pixel", seconds * 1e9 / pixels.max(1) as f64, "ns/pixel")
+}
+
+/// Everything countable about an outcome, in the order of the report.
+#[must_use]
+pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
+    let pixels = outcome.responses.len() as u64;
+    let mut metrics = traffic_metrics(&outcome.counters, pixels);
+    metrics.extend([
         metric("pyramid_texels", outcome.memory.texels as f64, "texel"),
         metric("pyramid_multiple", outcome.memory.multiple(), "texture"),
         metric("pyramid_bytes", outcome.memory.bytes as f64, "B"),
         metric("undefined_coordinates", outcome.undefined as f64, "coordinate"),
         metric("mismatches", outcome.mismatches as f64, "pixel"),
-        metric("host_ns_per_pixel", outcome.host_seconds * 1e9 / pixels.max(1.0), "ns/pixel"),
-    ];
+        host_metric(outcome.host_seconds, pixels),
+    ]);
     metrics.extend(deviation_metrics(AGAINST_TRUTH, &outcome.against_truth));
     metrics
         .extend(deviation_metrics(["rmse_ideal", "psnr_ideal", "worst_ideal", "mean_ideal"], &outcome.against_ideal));
+    metrics.extend(outcome.quality.metrics());
+    metrics.extend(outcome.timed.metrics());
     metrics
+}
+
+/// Metrics as JSON: name to value and unit.
+#[must_use]
+pub fn metrics_json(metrics: &[Metric]) -> Value {
+    metrics
+        .iter()
+        .map(|metric| (metric.name.to_owned(), json!({ "value": metric.value, "unit": metric.unit })))
+        .collect::<serde_json::Map<_, _>>()
+        .into()
 }
 
 /// The table of one scene.
@@ -80,6 +110,7 @@ pub fn table(outcomes: &[Outcome]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_BORDERS_ONLY).set_header([
         "filter",
+        "cycles\n/pixel",
         "reads\n/pixel",
         "misses",
         "miss\nrate %",
@@ -104,6 +135,7 @@ pub fn table(outcomes: &[Outcome]) -> Table {
         };
         table.add_row([
             outcome.filter.name().into(),
+            number("cycles_per_pixel", 2, 1.0),
             number("reads_per_pixel", 1, 1.0),
             number("misses", 0, 1.0),
             number("miss_rate", 2, 100.0),
@@ -127,10 +159,7 @@ pub fn scene_json(stage: &Stage, outcomes: &[Outcome]) -> Value {
     let filters: Vec<Value> = outcomes
         .iter()
         .map(|outcome| {
-            let metrics: serde_json::Map<String, Value> = metrics(outcome)
-                .into_iter()
-                .map(|metric| (metric.name.into(), json!({ "value": metric.value, "unit": metric.unit })))
-                .collect();
+            let metrics = metrics_json(&metrics(outcome));
             let planes: Vec<Value> = outcome
                 .planes
                 .iter()

@@ -1,3 +1,5 @@
-//! What people look at: plots.
+//! What people look at: plots and the page.
 
+pub mod page;
+pub mod plot;
 pub mod response_plot;

@@ -12,7 +12,7 @@ macro_rules! builtin {
 }
 
 /// Name and text of every built-in scene, in the order they are run.
-const BUILTIN: [(&str, &str); 8] = builtin![
+const BUILTIN: [(&str, &str); 9] = builtin![
     "rectangle-checkerboard",
     "rectangle-pane",
     "rectangle-natural",
@@ -21,6 +21,7 @@ const BUILTIN: [(&str, &str); 8] = builtin![
     "ellipsoid-natural",
     "floor",
     "magnified",
+    "walk",
 ];
 
 impl Scene {

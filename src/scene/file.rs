@@ -39,6 +39,7 @@ struct SceneFile {
     camera: CameraFile,
     rectangle: Option<Spanned<RectangleFile>>,
     ellipsoid: Option<Spanned<EllipsoidFile>>,
+    path: Option<PathFile>,
     texture: Spanned<TextureFile>,
     #[serde(default)]
     ground_truth: SupersamplingFile,
@@ -70,6 +71,14 @@ struct EllipsoidFile {
     rotation: Option<Spanned<Rotation>>,
     translation: [Spanned<f64>; 3],
     repeats: Option<[Spanned<f64>; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+struct PathFile {
+    frames: Spanned<i64>,
+    rotation: Option<Spanned<Rotation>>,
+    translation: [Spanned<f64>; 3],
 }
 
 #[derive(Deserialize)]
@@ -190,6 +199,7 @@ impl Reader<'_> {
             gradient: file.gradient,
             camera: Camera { field_of_view },
             shape,
+            path: file.path.as_ref().map(|path| self.path_through(path)).transpose()?,
             texture: self.texture(&file.texture)?,
             ground_truth: Supersampling { samples, jitter: file.ground_truth.jitter },
         })
@@ -216,6 +226,11 @@ impl Reader<'_> {
             return Err(self.error(spanned.span(), problem, "inf or nan in here", remedy));
         }
         Ok(Pose { rotation, translation })
+    }
+
+    fn path_through(&self, file: &PathFile) -> Result<super::Path> {
+        let frames = self.count("frames", Some(&file.frames), 0, 2..=10_000)?;
+        Ok(super::Path { frames, end: self.pose(file.rotation.as_ref(), &file.translation)? })
     }
 
     fn repeats(&self, repeats: Option<&[Spanned<f64>; 2]>) -> Result<[f64; 2]> {

@@ -14,6 +14,7 @@ mod ground_truth;
 mod natural;
 mod noise;
 mod order;
+mod path;
 mod pose;
 mod raster;
 mod rectangle;
@@ -28,6 +29,7 @@ pub use self::{
     gradient::{Gradient, GradientMethod},
     ground_truth::{GroundTruth, MOST_SAMPLES, Supersampling},
     order::{PixelOrder, Span, Spans},
+    path::Path,
     pose::{Pose, Rotation},
     raster::{Blocks, Coverage, Fragments},
     rectangle::{Matrix, MatrixStepping, Numerators, Plane, Rectangle},
@@ -66,6 +68,9 @@ pub struct Scene {
     pub camera: Camera,
     /// What is seen.
     pub shape: Shape,
+    /// How it moves, if it does: all but `texunit frames` and `texunit reuse` see the first frame only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<Path>,
     /// What is on it.
     pub texture: Texture,
     /// How the ground truth is sampled.

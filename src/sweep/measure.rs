@@ -1,15 +1,13 @@
 //! What is found out at one point of a sweep.
 
 use serde::{Deserialize, Serialize};
-use texunit_hw::{Filter, Geometry, LodSource, Response, Surface, Unit};
+use texunit_hw::{Filter, Geometry, Response};
 
 use super::Caches;
 use crate::{
     error::{Error, Result},
-    experiment::{Bench, Pyramids, Stage, report, report::Metric},
-    front_end::FrontEnd,
+    experiment::{AddressBench, Bench, Pyramids, Stage, report, report::Metric},
     machine::Machine,
-    names::layout_name,
     scene::Scene,
 };
 
@@ -49,32 +47,11 @@ pub struct Measured {
 /// # Errors
 /// A layout or cache that cannot be built.
 pub fn traffic(scene: &Scene, machine: &Machine, filter: Filter, geometries: &[Geometry]) -> Result<Measured> {
-    let [width, height] = scene.texture.size();
-    let wrong = |problem: String| {
-        Error::setting(
-            "texture.layout",
-            layout_name(machine.texture.layout),
-            problem,
-            "use tiled-4x4, which takes every texture",
-        )
-    };
-    let surface = Surface::new(filter.pyramid(), machine.texture.layout, machine.texture.format, width, height)
-        .map_err(|error| wrong(error.to_string()))?;
-    // Addresses do not depend on texels: memory that is never written takes no room.
-    let bytes = vec![0; usize::try_from(surface.bytes).map_err(|_| wrong(format!("{} bytes", surface.bytes)))?];
-    let address = scene.texture.wrap;
-    let sampler = machine.sampler(filter, address, LodSource::Gradient);
-    let mut unit = Unit::new(&sampler, &surface, &bytes)
-        .map_err(|error| Error::setting("machine", &machine.name, error.to_string(), "change the machine"))?;
-    let (norm, rule) = (machine.lod.norm, machine.lod.dipmap_rule);
-    let front_end = FrontEnd { filter, address, norm, rule, size: [width, height] };
+    let bench = AddressBench::new(scene, machine, filter)?;
     let mut caches = caches(machine, geometries)?;
     let mut pixels = 0;
-    scene.for_each_block(|fragments| {
-        pixels += fragments.len() as u64;
-        unit.addresses(&front_end.requests(fragments).0, &mut caches);
-    });
-    Ok(Measured { metrics: vec![], cells: cells(caches, pixels, surface.bytes_per_read()) })
+    bench.run(scene, &mut caches, |fragments, _| pixels += fragments.len() as u64);
+    Ok(Measured { metrics: vec![], cells: cells(caches, pixels, bench.surface.bytes_per_read()) })
 }
 
 /// Measures one point; a stage is needed for all but traffic.
@@ -111,6 +88,10 @@ pub fn on_stage(
 }
 
 fn caches(machine: &Machine, geometries: &[Geometry]) -> Result<Caches> {
+    if machine.texture.decompresses_before_cache() {
+        let problem = "a fill then fetches more from one line than from another, which one pass does not weigh";
+        return Err(Error::setting("texture.decompress", "before-cache", problem, "use measure = \"all\""));
+    }
     let wrong = |problem: String| {
         Error::setting("cache", &machine.cache.policy, problem, "for instance 64 sets, 4 ways, 64 bytes a line")
     };

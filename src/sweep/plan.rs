@@ -67,6 +67,14 @@ pub struct Point {
     pub machine: Machine,
 }
 
+impl Point {
+    /// Points of which this is the same have one ground truth.
+    #[must_use]
+    pub fn stage_key(&self) -> (usize, bool) {
+        (self.stage, self.machine.texture.srgb)
+    }
+}
+
 /// A sweep, expanded.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -178,7 +186,7 @@ impl Plan {
             }
         }
         // Points of a stage together: its ground truth is then made once.
-        points.sort_by_key(|point| point.stage);
+        points.sort_by_key(Point::stage_key);
         for (number, point) in points.iter_mut().enumerate() {
             point.number = number;
         }
@@ -225,10 +233,11 @@ impl Plan {
         config
     }
 
-    /// Makes a stage, if points of this sweep need one.
+    /// Makes the stage of some points, if they need one.
     #[must_use]
-    pub fn stage(&self, number: usize) -> Option<Stage> {
-        (self.measure != Measure::Traffic).then(|| Stage::new(self.stages[number].scene.clone()))
+    pub fn stage(&self, point: &Point) -> Option<Stage> {
+        let scene = || self.stages[point.stage].scene.clone();
+        (self.measure != Measure::Traffic).then(|| Stage::in_light(scene(), point.machine.texture.srgb))
     }
 
     /// Measures a point.

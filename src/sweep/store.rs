@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::{Cell, Measured, Plan, Point};
 use crate::{
     error::{Error, Result},
-    experiment::report::Metric,
+    experiment::report::metrics_json,
     names::Named,
     output::{create_folder, write_whole},
 };
@@ -37,14 +37,6 @@ pub struct Row {
     pub value: Option<f64>,
     /// Unit.
     pub unit: String,
-}
-
-fn metrics_json(metrics: &[Metric]) -> Value {
-    metrics
-        .iter()
-        .map(|metric| (metric.name.to_owned(), json!({ "value": metric.value, "unit": metric.unit })))
-        .collect::<serde_json::Map<_, _>>()
-        .into()
 }
 
 impl Store {

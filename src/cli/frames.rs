@@ -1,0 +1,115 @@
+//! `texunit frames`: a scene in motion.
+
+use std::{path::PathBuf, process::ExitCode};
+
+use comfy_table::{CellAlignment, Table, presets};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use texunit_hw::Filter;
+
+use super::{progress_bar, run};
+use crate::{
+    error::{Error, Result},
+    experiment::{Pyramids, Stage, report},
+    flicker::Flicker,
+    machine::parser,
+    names::Named,
+    output::{create_folder, write_whole},
+};
+
+/// Temporal error beside the spatial one, over the frames of a scene with a path
+///
+/// Flicker is the root mean square of what the error of a pixel changes from frame to frame. The cache is kept warm from
+/// frame to frame, and counted cold at every frame beside it. Writes frames.json.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scenes with a `[path]`: names of those that ship (walk) or TOML files
+    #[arg(value_name = "SCENE", required = true)]
+    scenes: Vec<String>,
+    /// Filters, all if none is given
+    #[arg(long, short, value_delimiter = ',', value_parser = parser::<Filter>())]
+    filters: Vec<Filter>,
+    /// Folder for results
+    #[arg(short, long, value_name = "DIR", default_value = "out/frames")]
+    output: PathBuf,
+    /// Image size for every scene, instead of its own, for instance 320x240
+    #[arg(long, value_name = "WxH", value_parser = run::size)]
+    size: Option<[u32; 2]>,
+    #[command(flatten)]
+    machine: super::MachineArgs,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Scenes without a path, bad machines or folders.
+pub fn run(args: &Args) -> Result<ExitCode> {
+    let machine = args.machine.load()?;
+    let scenes = run::scenes(&args.scenes, args.size)?;
+    let filters: Vec<Filter> = if args.filters.is_empty() {
+        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
+    } else {
+        args.filters.clone()
+    };
+    if let Some(still) = scenes.iter().find(|scene| scene.path.is_none()) {
+        return Err(Error::setting(
+            "SCENE",
+            &still.name,
+            "it does not move",
+            "add a [path], as in `texunit scenes --show walk`",
+        ));
+    }
+    create_folder(&args.output)?;
+    let progress = progress_bar(scenes.iter().map(|scene| u64::from(scene.frame_count())).sum());
+    let mut done: Vec<Value> = Vec::new();
+    for scene in &scenes {
+        progress.set_message(scene.name.clone());
+        let mut flickers: Vec<Flicker> = filters.iter().map(|&filter| Flicker::new(filter)).collect();
+        let mut pyramids = None;
+        for number in 0..scene.frame_count() {
+            let stage = Stage::in_light(scene.frame(number), machine.texture.srgb);
+            let pyramids = match &mut pyramids {
+                Some(made) => made,
+                none => none.insert(Pyramids::for_filters(&machine, &stage.texture, &filters)?),
+            };
+            flickers.par_iter_mut().try_for_each(|flicker| flicker.frame(&stage, &machine, pyramids))?;
+            progress.inc(1);
+        }
+        progress.suspend(|| {
+            println!("\n{}: {} frames of {} x {}", scene.name, scene.frame_count(), scene.size[0], scene.size[1]);
+            println!("{}", table(&flickers));
+        });
+        let filters: Vec<Value> = flickers
+            .iter()
+            .map(|flicker| json!({ "filter": flicker.filter().name(), "metrics": report::metrics_json(&flicker.metrics()) }))
+            .collect();
+        done.push(json!({ "scene": scene, "filters": filters }));
+    }
+    progress.finish_and_clear();
+    let value = json!({
+        "schema": 1,
+        "texunit": env!("CARGO_PKG_VERSION"),
+        "command": std::env::args().collect::<Vec<_>>(),
+        "machine": machine,
+        "scenes": done,
+    });
+    write_whole(&args.output.join("frames.json"), |file| writeln!(file, "{value:#}"))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn table(flickers: &[Flicker]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_BORDERS_ONLY);
+    table.set_header(["filter", "RMSE\nLSB", "flicker\nLSB", "flicker\nworst", "B/pixel\ncold", "B/pixel\nwarm"]);
+    for flicker in flickers {
+        let metrics = flicker.metrics();
+        let number = |name: &str| {
+            let value = metrics.iter().find(|metric| metric.name == name).and_then(|metric| metric.value);
+            value.map_or_else(|| "-".into(), |value| format!("{value:.2}"))
+        };
+        let names = ["rmse", "flicker_rmse", "flicker_worst", "bytes_per_pixel_cold", "bytes_per_pixel_warm"];
+        table.add_row([vec![flicker.filter().name().to_owned()], names.map(number).to_vec()].concat());
+    }
+    table.column_iter_mut().skip(1).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
+    table
+}

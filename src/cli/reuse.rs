@@ -1,0 +1,135 @@
+//! `texunit reuse`: how soon lines are read again.
+
+use std::{path::PathBuf, process::ExitCode};
+
+use comfy_table::{CellAlignment, Table, presets};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use texunit_hw::Filter;
+
+use super::{progress_bar, run};
+use crate::{
+    error::Result,
+    machine::parser,
+    names::Named,
+    output::{create_folder, write_whole},
+    report::plot::{Axis, Plot, Series, Style},
+    reuse::Reuse,
+    scene::Scene,
+};
+
+/// Reuse distances, miss curves and working sets per plane, screen tile, level and frame
+///
+/// The curve of a filter is the misses of a fully associative LRU cache of every size, exactly. The working set is the fewest
+/// lines with which no more than 1 % of the reused lookups miss. Writes reuse.json and an SVG for every scene. A scene
+/// with a path is followed through all its frames.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scenes: names of those that ship or TOML files
+    #[arg(value_name = "SCENE", required = true)]
+    scenes: Vec<String>,
+    /// Filters, all if none is given
+    #[arg(long, short, visible_alias = "filter", value_delimiter = ',', value_parser = parser::<Filter>())]
+    filters: Vec<Filter>,
+    /// Folder for results
+    #[arg(short, long, value_name = "DIR", default_value = "out/reuse")]
+    output: PathBuf,
+    /// Image size for every scene, instead of its own, for instance 1920x1080
+    #[arg(long, value_name = "WxH", value_parser = run::size)]
+    size: Option<[u32; 2]>,
+    #[command(flatten)]
+    machine: super::MachineArgs,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad scenes, machines or folders.
+pub fn run(args: &Args) -> Result<ExitCode> {
+    let machine = args.machine.load()?;
+    let scenes = run::scenes(&args.scenes, args.size)?;
+    let filters: Vec<Filter> = if args.filters.is_empty() {
+        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
+    } else {
+        args.filters.clone()
+    };
+    create_folder(&args.output)?;
+    let frames: u64 = scenes.iter().map(|scene| u64::from(scene.frame_count())).sum();
+    let progress = progress_bar(frames * filters.len() as u64);
+    let mut studied: Vec<Value> = Vec::new();
+    for scene in &scenes {
+        progress.set_message(scene.name.clone());
+        let study = |filter: &Filter| Reuse::of(scene, &machine, *filter, || progress.inc(1));
+        let all: Vec<Reuse> = filters.par_iter().map(study).collect::<Result<_>>()?;
+        let svg = miss_curves(&scene.name, &all).svg();
+        write_whole(&args.output.join(format!("{}.svg", scene.name)), |file| file.write_all(svg.as_bytes()))?;
+        progress.suspend(|| print(scene, &all));
+        let filters: Vec<Value> = all.iter().map(Reuse::json).collect();
+        studied.push(json!({ "scene": scene.name, "size": scene.size, "filters": filters }));
+    }
+    progress.finish_and_clear();
+    let value = json!({
+        "schema": 1,
+        "texunit": env!("CARGO_PKG_VERSION"),
+        "command": std::env::args().collect::<Vec<_>>(),
+        "machine": machine,
+        "units": { "lines": "line", "lookups": "read", "curve": "[line, read]", "line": "B", "tile": "pixel", "mean": "line" },
+        "scenes": studied,
+    });
+    write_whole(&args.output.join("reuse.json"), |file| writeln!(file, "{value:#}"))?;
+    println!("\nCurves: {}", args.output.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Miss rate over size, a line a filter.
+fn miss_curves(scene: &str, all: &[Reuse]) -> Plot {
+    let series = all.iter().map(|reuse| {
+        let lookups = reuse.all.lookups().max(1) as f64;
+        let points = reuse.all.curve().map(|(lines, misses)| {
+            ((lines * u64::from(reuse.line)) as f64, 100.0 * misses as f64 / lookups, String::new())
+        });
+        Series { name: reuse.filter.name().into(), style: Style::Line, points: points.collect() }
+    });
+    Plot {
+        title: format!("{scene}: misses of a fully associative LRU cache"),
+        x: Axis { label: "size, B".into(), logarithmic: true },
+        y: Axis { label: "misses, % of lookups".into(), logarithmic: true },
+        series: series.collect(),
+    }
+}
+
+fn print(scene: &Scene, all: &[Reuse]) {
+    let [width, height] = scene.size;
+    println!("\n{}: {width} x {height}, {} frames", scene.name, scene.frame_count());
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_BORDERS_ONLY).set_header([
+        "filter",
+        "lookups",
+        "lines",
+        "KiB\ntouched",
+        "working\nset, lines",
+        "across\nlevels %",
+        "lines of\nlast frame %",
+        "8 x 8 tile\nmean lines",
+        "64 x 64\nmean lines",
+    ]);
+    for reuse in all {
+        let share = |part: u64, whole: u64| 100.0 * part as f64 / whole.max(1) as f64;
+        let later = reuse.frames.iter().skip(1);
+        let (lines, shared) =
+            later.fold((0, 0), |(lines, shared), frame| (lines + frame.lines, shared + frame.lines_of_previous));
+        table.add_row([
+            reuse.filter.name().to_owned(),
+            reuse.all.lookups().to_string(),
+            reuse.lines.to_string(),
+            format!("{:.0}", (reuse.lines * u64::from(reuse.line)) as f64 / 1024.0),
+            reuse.all.working_set(10).to_string(),
+            format!("{:.2}", share(reuse.across_levels(), reuse.all.lookups())),
+            if reuse.frames.len() > 1 { format!("{:.1}", share(shared, lines)) } else { "-".into() },
+            format!("{:.1}", reuse.tiles[0].mean),
+            format!("{:.1}", reuse.tiles[3].mean),
+        ]);
+    }
+    table.column_iter_mut().skip(1).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
+    println!("{table}");
+}
