@@ -60,7 +60,7 @@ struct WholeUnit {
 }
 
 impl WholeUnit {
-    fn trace(&self, latency: u64) -> (trace::Trace, Vec<u64>) {
+    fn trace(&self, latency: u64) -> (trace::Trace, Vec<whole::Totals>) {
         let machine = Machine { fragment_fifo: self.fragment_fifo, latency };
         whole::unit(&self.widths, self.sets, self.ways, self.textures, machine)
     }
@@ -159,10 +159,10 @@ fn icarus_replays_every_golden_trace_without_a_difference() {
 
 #[test]
 #[cfg_attr(not(verilator), ignore = "verilator not installed: apt-get install verilator")]
-fn the_whole_unit_takes_the_clocks_of_its_recurrence() {
+fn the_whole_unit_takes_the_clocks_of_its_recurrence_and_of_the_timing_model() {
     make("verilator-unit");
     make("verilator-unit-small");
-    for latency in [1, 7, LATENCY, 300] {
+    for latency in [1, 2, 7, LATENCY, 300] {
         for unit in whole_units() {
             let (name, wanted) = (unit.name, unit.trace(latency).1);
             let output = program(
@@ -173,7 +173,12 @@ fn the_whole_unit_takes_the_clocks_of_its_recurrence() {
                 .lines()
                 .filter_map(|line| line.strip_prefix("clocks ")?.split_once(' ')?.1.parse().ok())
                 .collect();
-            assert_eq!(clocks, wanted, "{name} with a memory latency of {latency}");
+            let recurrence: Vec<_> = wanted.iter().map(|totals| totals.recurrence).collect();
+            assert_eq!(clocks, recurrence, "{name} with a memory latency of {latency}");
+            if latency >= 2 {
+                let timing_model: Vec<_> = wanted.iter().map(|totals| totals.timing_model).collect();
+                assert_eq!(clocks, timing_model, "the timing model of {name} with a memory latency of {latency}");
+            }
         }
     }
 }

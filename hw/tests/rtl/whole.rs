@@ -3,6 +3,8 @@
 use texunit_hw::{
     AddressMode, Batch, Filter, I12F20, LevelRounding, LodSource, Request, Response, Sampler, Sink, Surface, Unit,
     address::{Footprint, is_outside},
+    cache::{Detail, Geometry, Policy, TexelCache},
+    timing::{MainMemory, MemoryParameters, Parameters, Timing},
 };
 
 use crate::{
@@ -131,12 +133,48 @@ impl Walk {
     }
 }
 
+/// Clocks from the first request of a texture to its last response, both included.
+pub struct Totals {
+    /// By clocks.rs.
+    pub recurrence: u64,
+    /// By the timing model told to be this machine.
+    pub timing_model: u64,
+}
+
+/// The timing model as the RTL: every texel a tap of its own, as docs/hardware.md says. Latencies from 2.
+fn timing_model(sets: u64, ways: usize, machine: Machine) -> Timing {
+    let places = 1 << 16;
+    let parameters = Parameters {
+        fragment_fifo: machine.fragment_fifo as u32,
+        // The RTL's own limit is the FIFO alone.
+        miss_status: places,
+        merges: places,
+        miss_queue: places,
+        reorder_buffer: places,
+        tag_banks: 1,
+        data_banks: 1,
+        data_bank_bytes: LINE as u32,
+        lod_latency: 1,
+        address_latency: 1,
+        tag_latency: 1,
+        data_latency: 1,
+        filter_latency: 4,
+        ..Parameters::default()
+    };
+    // One clock to the memory and one for the line on its link.
+    let latency = machine.latency.saturating_sub(2) as u32;
+    let main = MainMemory::Fixed { latency, bytes_per_clock: LINE as u32 };
+    let geometry = Geometry { sets: sets as u32, ways: ways as u32, line: LINE as u32 };
+    let cache = TexelCache::new(geometry, Policy::Lru, 4, Detail::default()).expect("a shape the RTL has");
+    Timing::new(&parameters, &MemoryParameters { main, second_level: None }, cache, 4, ()).expect("a machine that runs")
+}
+
 /// Requests of each texture.
 const REQUESTS: usize = 40;
 
 /// The whole unit; `base` holds the widths. Also how many clocks each texture takes on `machine` without pauses, as the recurrence
 /// has them: compared with what the testbench counts.
-pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Machine) -> (Trace, Vec<u64>) {
+pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Machine) -> (Trace, Vec<Totals>) {
     let mut trace = Trace::new(
         "unit",
         &[
@@ -161,6 +199,7 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Ma
         let mut unit = Unit::new(&sampler, &surface, &bytes).expect("a unit");
         let mut lines = CachedLines::new(sets, ways);
         let mut clocks = Clocks::new(machine);
+        let mut timing = timing_model(sets, ways, machine);
         let mut add = |op: u64, pauses: [u64; 3], inputs: [u64; 4], outputs: [u64; 5]| {
             let mut line = vec![op, pauses[1], pauses[2]];
             line.extend(inputs);
@@ -182,6 +221,7 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Ma
             unit.run(&[request], &mut response, &mut seen);
             let (mut accesses, mut hits) = (0, 0);
             clocks.request();
+            let mut texels: Vec<(usize, Option<u64>)> = Vec::new();
             for tap in &seen.taps {
                 for &address in &tap.address[..seen.texels_per_tap] {
                     let outside = is_outside(address);
@@ -191,8 +231,10 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Ma
                         accesses += 1;
                     }
                     clocks.texel(!hit);
+                    texels.push((tap.plane.into(), (!outside).then_some(address)));
                 }
             }
+            timing.request(texels.iter().map(|(plane, address)| (*plane, address.as_slice())));
             let pauses = random.pauses();
             let inputs = [
                 request.u.to_bits().cast_unsigned(),
@@ -209,7 +251,7 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Ma
             ];
             add(0, pauses, inputs.map(u64::from), outputs);
         }
-        segments.push(clocks.total());
+        segments.push(Totals { recurrence: clocks.total(), timing_model: timing.counters().cycles });
         // Sometimes the texture is torn away with requests inside.
         if turn % 4 == 1 {
             add(2, [0; 3], [0; 4], [0; 5]);
