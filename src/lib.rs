@@ -18,6 +18,7 @@ pub mod scene;
 pub mod sweep;
 pub mod texel_format;
 pub mod texture_file;
+pub mod text_lines;
 pub mod texture_memory;
 pub mod timed_run;
 pub mod timing_output;

@@ -360,6 +360,14 @@ mod sample {
     }
 
     #[test]
+    fn what_a_spreadsheet_writes_is_read() {
+        let folder = folder();
+        let plain = good(&asked(folder.path(), "bilinear", &[], "u,v,lod\n0.3,0.6,0\n0.9,0.1,0\n"));
+        let spreadsheet = "\u{FEFF}\"u\",\"v\",\"lod\"\r\n\"0.3\", 0.6,0\r\n\r\n0.9,1e-1,0";
+        assert_eq!(good(&asked(folder.path(), "bilinear", &[], spreadsheet)), plain);
+    }
+
+    #[test]
     fn axes_can_have_address_modes_of_their_own() {
         let folder = folder();
         let input = "u,v,lod\n1.125,1.25,0\n";
@@ -394,7 +402,7 @@ mod sample {
         for model in ["hw", "reference", "ideal"] {
             assert_eq!(good(&asked(folder.path(), "trilinear", &["--model", model], "u,v,lod\n")), "r,g,b,a,lod\n");
         }
-        refused(&asked(folder.path(), "trilinear", &[], ""), &["line 1", "u,v,lod"]);
+        refused(&asked(folder.path(), "trilinear", &[], ""), &["standard input", "line 1", "u,v,lod"]);
     }
 
     #[test]
@@ -510,7 +518,9 @@ fn every_command_explains_itself() {
         let lines: Vec<&str> = help.lines().collect();
         for (number, line) in lines.iter().enumerate() {
             let option = line.trim_start();
-            if line.starts_with("  ") && (option.starts_with("--") || option.starts_with('-')) {
+            if line.starts_with("  ")
+                && (option.starts_with("--") || option.starts_with('-') && !option.starts_with("- "))
+            {
                 let said = option.split("  ").count() > 1
                     || lines.get(number + 1).is_some_and(|next| next.starts_with("     "));
                 assert!(said, "{page:?}: `{option}` says nothing");

@@ -1,6 +1,6 @@
 //! Reading and writing traces: what is written is read, and what is wrong is refused with its line.
 
-use std::path::Path;
+use std::{path::Path, sync::OnceLock};
 
 use proptest::prelude::*;
 use texunit::{
@@ -12,6 +12,11 @@ use texunit_hw::Filter;
 
 /// A short trace, as text.
 fn text() -> String {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    TEXT.get_or_init(recorded).clone()
+}
+
+fn recorded() -> String {
     let scene = Scene::builtin("magnified").unwrap();
     let machine = Machine::load("herf-12.20", &[]).unwrap();
     let profile = Profile::of_scene(&scene, &machine, Filter::Trilinear, scene.texture.wrap, Path::new("")).unwrap();

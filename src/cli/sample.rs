@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{self, BufReader, Read, Write},
+    io::{self, BufRead, BufReader, Write},
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -13,13 +13,14 @@ use crate::{
     error::{Error, Result},
     front_end::{FrontEnd, coordinates},
     machine::{Machine, parser, to_level},
-    output::write_whole,
+    output::write_or_print,
     pyramid::Pyramid,
     reference::{
         Reference,
         ideal::{Detail, Ideal, IdealSampler},
     },
     scene::{Fragment, Gradient},
+    text_lines::TextLines,
     texture_file,
     texture_memory::{Held, TextureMemory},
 };
@@ -85,39 +86,25 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let address = [args.wrap, args.wrap_v.unwrap_or(args.wrap)];
     let texture = texture_file::load(&args.texture)?;
     let Held { pyramid, memory } = machine.texture.hold(args.filter.pyramid(), &texture)?;
-    let from_input: Box<dyn Read> = if args.input.as_os_str() == "-" {
-        Box::new(io::stdin().lock())
+    let (name, input): (&Path, Box<dyn BufRead>) = if args.input.as_os_str() == "-" {
+        (Path::new("standard input"), Box::new(io::stdin().lock()))
     } else {
-        Box::new(BufReader::new(File::open(&args.input).map_err(Error::io(&args.input))?))
+        (&args.input, Box::new(BufReader::new(File::open(&args.input).map_err(Error::io(&args.input))?)))
     };
-    let mut rows = Rows::new(&args.input, from_input)?;
+    let mut rows = Rows::new(name, input)?;
     let session = Session { args, machine: &machine, address, pyramid: &pyramid, memory: &memory };
-    if args.output.as_os_str() == "-" {
-        let mut output = io::BufWriter::new(io::stdout().lock());
-        session.answer(&mut rows, &mut output)?.map_or_else(
-            || Ok(ExitCode::SUCCESS),
-            |error| {
-                if error.kind() == io::ErrorKind::BrokenPipe {
-                    Ok(ExitCode::SUCCESS)
-                } else {
-                    Err(Error::io("standard output")(error))
-                }
-            },
-        )
-    } else {
-        // The rows are read while the output is written: an error of the former must not leave half of the latter.
-        let mut failed = None;
-        let written = write_whole(&args.output, |output| match session.answer(&mut rows, output) {
-            Ok(None) => Ok(()),
-            Ok(Some(error)) => Err(error),
-            Err(error) => {
-                failed = Some(error);
-                Err(io::Error::other("input"))
-            }
-        });
-        failed.map_or(written, Err)?;
-        Ok(ExitCode::SUCCESS)
-    }
+    // The rows are read while the output is written: an error of the former must not leave half of the latter.
+    let mut failed = None;
+    let written = write_or_print(&args.output, |output| match session.answer(&mut rows, output) {
+        Ok(None) => Ok(()),
+        Ok(Some(error)) => Err(error),
+        Err(error) => {
+            failed = Some(error);
+            Err(io::Error::other("input"))
+        }
+    });
+    failed.map_or(written, Err)?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Appends the answers of rows as CSV and counts coordinates without a place.
@@ -263,64 +250,67 @@ impl Row {
     }
 }
 
-/// The rows of a CSV file, read in blocks.
+/// The rows of a CSV file, read in blocks. Numbers need no quotes: they are taken off where a spreadsheet put them.
 struct Rows {
-    path: PathBuf,
-    reader: csv::Reader<Box<dyn Read>>,
+    lines: TextLines<Box<dyn BufRead>>,
     columns: Columns,
-    /// Where each column stands in a row.
-    places: Vec<usize>,
-    record: csv::StringRecord,
+    /// Which value each place of a row holds, in the order of the names.
+    values: Vec<usize>,
 }
 
 impl Rows {
-    fn new(path: &Path, input: Box<dyn Read>) -> Result<Self> {
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(input);
-        let names = reader.headers().map_err(|error| malformed(path, &error))?.clone();
-        let places = |columns: &[&str]| -> Option<Vec<usize>> {
-            columns.iter().map(|column| names.iter().position(|name| name == *column)).collect()
+    fn new(path: &Path, input: Box<dyn BufRead>) -> Result<Self> {
+        let mut lines = TextLines::new(path, input);
+        lines.next()?;
+        let names: Vec<&str> = fields(lines.text().trim_start_matches('\u{FEFF}')).collect();
+        // Every column once, and no other.
+        let values = |columns: &[&str]| -> Option<Vec<usize>> {
+            let all = columns.iter().all(|column| names.contains(column)) && names.len() == columns.len();
+            names
+                .iter()
+                .map(|name| columns.iter().position(|column| column == name))
+                .collect::<Option<_>>()
+                .filter(|_| all)
         };
-        let known = |name: &&str| LEVEL_COLUMNS.contains(name) || GRADIENT_COLUMNS.contains(name);
-        let found = places(GRADIENT_COLUMNS)
-            .map(|places| (Columns::Gradient, places))
-            .or_else(|| places(LEVEL_COLUMNS).map(|places| (Columns::Level, places)))
-            .filter(|(_, places)| places.len() == names.len() && names.iter().all(|name| known(&name)));
-        let Some((columns, places)) = found else {
-            let problem = format!("the columns are `{}`", names.iter().collect::<Vec<_>>().join(","));
-            return Err(Error::file(path, "line 1", problem, "name them u,v,lod or u,v,dudx,dvdx,dudy,dvdy"));
-        };
-        Ok(Self { path: path.to_path_buf(), reader, columns, places, record: csv::StringRecord::new() })
+        let found = values(GRADIENT_COLUMNS).map(|values| (Columns::Gradient, values));
+        match found.or_else(|| values(LEVEL_COLUMNS).map(|values| (Columns::Level, values))) {
+            Some((columns, values)) => Ok(Self { lines, columns, values }),
+            None => {
+                let problem = format!("the columns are `{}`", names.join(","));
+                Err(lines.error(problem, "name them u,v,lod or u,v,dudx,dvdx,dudy,dvdy, in any order"))
+            }
+        }
     }
 
     /// Replaces `block` with the next rows; empty at the end.
     fn block(&mut self, block: &mut Vec<Row>) -> Result<()> {
         block.clear();
-        while block.len() < BLOCK
-            && self.reader.read_record(&mut self.record).map_err(|error| malformed(&self.path, &error))?
-        {
-            block.push(self.row()?);
+        while block.len() < BLOCK && self.lines.next()? {
+            if !self.lines.text().is_empty() {
+                block.push(self.row().map_err(|problem| {
+                    self.lines.error(problem, "give one number for each column of the first line")
+                })?);
+            }
         }
         Ok(())
     }
 
-    fn row(&self) -> Result<Row> {
-        let line = self.record.position().map_or(0, csv::Position::line);
-        let wrong = |problem: String| {
-            Error::file(
-                &self.path,
-                format!("line {line}"),
-                problem,
-                "give one number for each column of the first line",
-            )
-        };
-        if self.record.len() != self.places.len() {
-            return Err(wrong(format!("{} values where {} columns are named", self.record.len(), self.places.len())));
-        }
-        let names = if self.columns == Columns::Level { LEVEL_COLUMNS } else { GRADIENT_COLUMNS };
+    /// The row of a line, or what is wrong with it.
+    fn row(&self) -> Result<Row, String> {
+        let columns = self.values.len();
         let mut values = [0.0f64; 6];
-        for ((value, &place), name) in values.iter_mut().zip(&self.places).zip(names) {
-            let text = &self.record[place];
-            *value = text.parse().map_err(|_| wrong(format!("{name} = `{text}` is not a number")))?;
+        let mut found = 0;
+        for text in fields(self.lines.text()) {
+            if let Some(&value) = self.values.get(found) {
+                values[value] = text.parse().map_err(|_| {
+                    let names = if self.columns == Columns::Level { LEVEL_COLUMNS } else { GRADIENT_COLUMNS };
+                    format!("{} = `{text}` is not a number", names[value])
+                })?;
+            }
+            found += 1;
+        }
+        if found != columns {
+            return Err(format!("{found} values where {columns} columns are named"));
         }
         let [u, v, ux, vx, uy, vy] = values;
         let detail = match self.columns {
@@ -331,7 +321,7 @@ impl Rows {
     }
 }
 
-fn malformed(path: &Path, error: &csv::Error) -> Error {
-    let line = error.position().map_or_else(|| "the file".into(), |position| format!("line {}", position.line()));
-    Error::file(path, line, error.to_string(), "give a CSV file in UTF-8 with one number for each column")
+/// The fields of a line of CSV.
+fn fields(line: &str) -> impl Iterator<Item = &str> {
+    line.split(',').map(|field| field.trim().trim_matches('"').trim())
 }

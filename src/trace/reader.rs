@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{BufRead, BufReader, Read},
+    io::{BufRead, BufReader, Read as _},
     path::{Path, PathBuf},
 };
 
@@ -10,13 +10,13 @@ use super::{Profile, Record, Trace, UNIT, VERSION, record::shortened, writer::fi
 use crate::{
     annotated,
     error::{Error, Result},
+    text_lines::TextLines,
 };
 
 /// How every trace begins.
 const FIRST_WORDS: &str = "// texunit trace ";
 
-/// No line of a trace is anywhere near as long, and no head has anywhere near as many.
-const LINE_BYTES_MAX: u64 = 1 << 16;
+/// No head has anywhere near as many lines.
 const HEAD_LINES_MAX: u64 = 1 << 12;
 
 /// The lines of a head that are not part of the profile, each exactly once.
@@ -50,13 +50,12 @@ impl Trace {
     /// # Errors
     /// As [`Trace::load`].
     pub fn parse(path: impl Into<PathBuf>, source: impl BufRead) -> Result<Self> {
-        let mut lines = Lines { path: path.into(), source, number: 0, text: String::new() };
-        let mut head = Head::default();
-        lines.version(&mut head)?;
+        let mut lines = TextLines::new(path, source);
+        let mut head = Head::begin(&mut lines)?;
         while lines.next()? {
-            if let Some(comment) = lines.text.strip_prefix("//") {
+            if let Some(comment) = lines.text().strip_prefix("//") {
                 head.line(&lines, comment)?;
-            } else if !lines.text.trim().is_empty() {
+            } else if !lines.text().trim().is_empty() {
                 break;
             } else {
                 head.source.push('\n');
@@ -70,16 +69,16 @@ impl Trace {
             records: Vec::new(),
             lines: Vec::new(),
         };
-        let mut more = !lines.text.is_empty();
+        let mut more = !lines.text().is_empty();
         while more {
-            let line = lines.text.trim();
+            let line = lines.text().trim();
             if !line.is_empty() && !line.starts_with("//") {
                 if trace.records.len() as u64 == count {
                     let problem = format!("a record after the {count} that the head counts");
                     return Err(lines.error(problem, RECORD_AGAIN));
                 }
                 trace.records.push(Record::parse(line).map_err(|problem| lines.error(problem, RECORD_AGAIN))?);
-                trace.lines.push(lines.number);
+                trace.lines.push(lines.number());
             }
             more = lines.next()?;
         }
@@ -88,60 +87,6 @@ impl Trace {
             return Err(lines.error(problem, "it was cut short: take it from where it came, or record it again"));
         }
         Ok(trace)
-    }
-}
-
-/// The lines of a file, counted, none of them unlimited.
-struct Lines<R> {
-    path: PathBuf,
-    source: R,
-    number: u64,
-    /// The line, without its end; empty after the last.
-    text: String,
-}
-
-impl<R: BufRead> Lines<R> {
-    fn next(&mut self) -> Result<bool> {
-        let mut bytes = Vec::new();
-        let read = self.source.by_ref().take(LINE_BYTES_MAX).read_until(b'\n', &mut bytes);
-        let read = read.map_err(Error::io(&self.path))? as u64;
-        self.text.clear();
-        if read == 0 {
-            return Ok(false);
-        }
-        self.number += 1;
-        if read == LINE_BYTES_MAX {
-            return Err(self.error(format!("a line of more than {LINE_BYTES_MAX} bytes"), RECORD_AGAIN));
-        }
-        let Ok(text) = String::from_utf8(bytes) else {
-            return Err(self.error("not text".into(), RECORD_AGAIN));
-        };
-        self.text = text;
-        self.text.truncate(self.text.trim_end().len());
-        Ok(true)
-    }
-
-    fn error(&self, problem: String, remedy: &str) -> Error {
-        Error::file(&self.path, format!("line {}", self.number.max(1)), problem, remedy)
-    }
-
-    /// The first line.
-    fn version(&mut self, head: &mut Head) -> Result<()> {
-        self.next()?;
-        let version = self.text.strip_prefix(FIRST_WORDS).and_then(|rest| rest.trim().parse::<u32>().ok());
-        head.source = format!("{}\n", self.text);
-        head.masked = format!("{}\n", " ".repeat(self.text.len()));
-        match version {
-            Some(VERSION) => Ok(()),
-            Some(newer) if newer > VERSION => {
-                let problem = format!("a trace of version {newer}, and this texunit reads up to {VERSION}");
-                Err(self.error(problem, "update texunit"))
-            }
-            _ => {
-                let problem = format!("`{}` where a trace begins `{FIRST_WORDS}{VERSION}`", shortened(&self.text));
-                Err(self.error(problem, "this is no texunit trace: `texunit trace record` makes one"))
-            }
-        }
     }
 }
 
@@ -157,12 +102,31 @@ struct Head {
 }
 
 impl Head {
+    /// Reads the first line.
+    fn begin<R: BufRead>(lines: &mut TextLines<R>) -> Result<Self> {
+        lines.next()?;
+        let version = lines.text().strip_prefix(FIRST_WORDS).and_then(|rest| rest.trim().parse::<u32>().ok());
+        let source = format!("{}\n", lines.text());
+        let masked = format!("{}\n", " ".repeat(lines.text().len()));
+        match version {
+            Some(VERSION) => Ok(Self { source, masked, ..Self::default() }),
+            Some(newer) if newer > VERSION => {
+                let problem = format!("a trace of version {newer}, and this texunit reads up to {VERSION}");
+                Err(lines.error(problem, "update texunit"))
+            }
+            _ => {
+                let problem = format!("`{}` where a trace begins `{FIRST_WORDS}{VERSION}`", shortened(lines.text()));
+                Err(lines.error(problem, "this is no texunit trace: `texunit trace record` makes one"))
+            }
+        }
+    }
+
     /// One more line, `comment` without its slashes.
-    fn line<R: BufRead>(&mut self, lines: &Lines<R>, comment: &str) -> Result<()> {
-        if lines.number > HEAD_LINES_MAX {
+    fn line<R: BufRead>(&mut self, lines: &TextLines<R>, comment: &str) -> Result<()> {
+        if lines.number() > HEAD_LINES_MAX {
             return Err(lines.error(format!("a head of more than {HEAD_LINES_MAX} lines"), RECORD_AGAIN));
         }
-        self.source += &lines.text;
+        self.source += lines.text();
         self.source.push('\n');
         let (key, value) = comment.trim().split_once(' ').unwrap_or((comment.trim(), ""));
         let value = value.trim();
@@ -170,7 +134,7 @@ impl Head {
             self.masked += &format!("  {comment}\n");
             return Ok(());
         }
-        self.masked += &" ".repeat(lines.text.len());
+        self.masked += &" ".repeat(lines.text().len());
         self.masked.push('\n');
         let Some(place) = KEYS.iter().position(|known| *known == key) else {
             let problem = format!("`{}` has no meaning in the head of a trace", shortened(comment.trim()));
@@ -180,39 +144,39 @@ impl Head {
         if let Some((first, _)) = &self.values[place] {
             return Err(lines.error(format!("`{key}` was said on line {first} already"), RECORD_AGAIN));
         }
-        self.values[place] = Some((lines.number, value.to_owned()));
+        self.values[place] = Some((lines.number(), value.to_owned()));
         Ok(())
     }
 
-    fn value<R: BufRead>(&self, lines: &Lines<R>, key: &str) -> Result<&(u64, String)> {
+    fn value<R: BufRead>(&self, lines: &TextLines<R>, key: &str) -> Result<&(u64, String)> {
         let place = KEYS.iter().position(|known| *known == key);
         place
             .and_then(|place| self.values[place].as_ref())
             .ok_or_else(|| lines.error(format!("the head ends here and did not say `// {key} ...`"), RECORD_AGAIN))
     }
 
-    fn number<R: BufRead>(&self, lines: &Lines<R>, key: &str) -> Result<u64> {
+    fn number<R: BufRead>(&self, lines: &TextLines<R>, key: &str) -> Result<u64> {
         let (line, value) = self.value(lines, key)?;
         value.parse().map_err(|_| {
             let problem = format!("{key} = `{}` is not a whole number", shortened(value));
-            Error::file(&lines.path, format!("line {line}"), problem, RECORD_AGAIN)
+            lines.error_at(*line, problem, RECORD_AGAIN)
         })
     }
 
     /// The profile and the number of records, once the head has ended.
-    fn finish<R: BufRead>(&self, lines: &Lines<R>) -> Result<(Profile, u64)> {
+    fn finish<R: BufRead>(&self, lines: &TextLines<R>) -> Result<(Profile, u64)> {
         for (key, expected) in [("unit", UNIT.to_owned()), ("fields", fields_line())] {
             let (line, value) = self.value(lines, key)?;
             if *value != expected {
                 let problem = format!("{key} = `{}`, and this texunit reads `{expected}`", shortened(value));
-                return Err(Error::file(&lines.path, format!("line {line}"), problem, RECORD_AGAIN));
+                return Err(lines.error_at(*line, problem, RECORD_AGAIN));
             }
         }
         let count = self.number(lines, "count")?;
         let profile: Profile = toml::from_str(&self.masked).map_err(|found| {
             let remedy =
                 "docs/trace-format.md lists the keys of a head; if a newer texunit wrote this one, update texunit";
-            annotated::toml_error(&lines.path, &self.source, &found, remedy)
+            annotated::toml_error(lines.path(), &self.source, &found, remedy)
         })?;
         let place = |key: &str| {
             let line = self.source.lines().position(|line| {
@@ -221,11 +185,11 @@ impl Head {
             line.map_or_else(|| format!("key {key}"), |line| format!("line {}: {key}", line + 1))
         };
         if let Err((key, problem)) = profile.texture.check() {
-            return Err(Error::file(&lines.path, place(&format!("texture.{key}")), problem, RECORD_AGAIN));
+            return Err(Error::file(lines.path(), place(&format!("texture.{key}")), problem, RECORD_AGAIN));
         }
         profile.machine.check().map_err(|error| match error {
             Error::Setting { key, value, problem, remedy } => {
-                Error::file(&lines.path, place(&format!("machine.{key}")), format!("{value} is {problem}"), remedy)
+                Error::file(lines.path(), place(&format!("machine.{key}")), format!("{value} is {problem}"), remedy)
             }
             other => other,
         })?;
