@@ -39,24 +39,24 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// For the requests a scene makes of a filter, in a trace that lies in `folder`.
+    /// For the requests a scene with the texture `top` makes of a filter, in a trace that lies in `folder`.
     ///
     /// # Errors
     /// A texture file that is there no more.
     pub fn of_scene(
         scene: &Scene,
+        top: &PlaneImage,
         machine: &Machine,
         filter: Filter,
         wrap: [AddressMode; 2],
         folder: &Path,
     ) -> Result<Self> {
-        let top = PlaneImage::of_image(&scene.texture.image());
         Ok(Self {
             scene: scene.name.clone(),
             filter,
             wrap,
             lod_source: LodSource::Gradient,
-            texture: TracedTexture::new(&scene.texture, &top, folder)?,
+            texture: TracedTexture::new(&scene.texture, top, folder)?,
             machine: machine.clone(),
         })
     }

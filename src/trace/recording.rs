@@ -67,17 +67,17 @@ impl Selection {
     }
 }
 
-/// Records what the chip answers to requests of a scene.
+/// Records what the chip answers to requests of a scene with the texture `top`.
 ///
 /// # Errors
 /// A machine that cannot be built.
-pub fn record(scene: &Scene, profile: Profile, selection: Selection, seed: u64) -> Result<Trace> {
+pub fn record(scene: &Scene, top: &PlaneImage, profile: Profile, selection: Selection, seed: u64) -> Result<Trace> {
     let mut requests = Vec::new();
     selection.requests(scene, &profile, seed, |block| {
         requests.extend_from_slice(block);
         Ok(())
     })?;
-    let player = Player::with_texture(&profile, &PlaneImage::of_image(&scene.texture.image()))?;
+    let player = Player::with_texture(&profile, top)?;
     let records = player.chip(&requests)?;
     Ok(Trace { profile, seed, model: env!("CARGO_PKG_VERSION").into(), records, lines: Vec::new() })
 }

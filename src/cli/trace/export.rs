@@ -86,8 +86,9 @@ fn of_scene(args: &Args) -> Result<ExitCode> {
     };
     let machine = args.machine.load()?;
     let scene = Scene::find(&args.source)?;
-    let profile = Profile::of_scene(&scene, &machine, filter, scene.texture.wrap, Path::new(""))?;
-    let player = Player::with_texture(&profile, &PlaneImage::of_image(&scene.texture.image()))?;
+    let top = PlaneImage::of_image(&scene.texture.image());
+    let profile = Profile::of_scene(&scene, &top, &machine, filter, scene.texture.wrap, Path::new(""))?;
+    let player = Player::with_texture(&profile, &top)?;
     let selection = args.selection.selection(Selection::All);
     write(args, &player, |visit| selection.requests(&scene, &profile, args.selection.seed, visit))
 }

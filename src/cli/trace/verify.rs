@@ -5,7 +5,8 @@ use std::{path::PathBuf, process::ExitCode};
 use crate::{
     error::Result,
     output::print,
-    trace::{Player, Trace},
+    pyramid::PlaneImage,
+    trace::{Player, Trace, TracedTexture},
 };
 
 /// Hold chip, reference and cache to recorded answers, reads and misses
@@ -20,9 +21,17 @@ pub struct Args {
 
 pub(super) fn run(args: &Args) -> Result<ExitCode> {
     let mut differ = false;
+    // Traces come in families: the computed texture of the one before is often that of the next.
+    let mut texture: Option<(TracedTexture, PlaneImage)> = None;
     for path in &args.traces {
         let trace = Trace::load(path)?;
-        let difference = trace.verify(&Player::new(&trace.profile, path)?)?;
+        let named = &trace.profile.texture;
+        let top = match texture.take().filter(|(known, _)| known == named && named.file.is_none()) {
+            Some((_, top)) => top,
+            None => named.load(path)?,
+        };
+        let difference = trace.verify(&Player::with_texture(&trace.profile, &top)?)?;
+        texture = Some((named.clone(), top));
         differ |= difference.is_some();
         let name = path.display();
         print(|out| match difference {
