@@ -5,8 +5,8 @@ use std::{collections::BTreeSet, fs, path::PathBuf};
 use texunit::{
     machine::Machine,
     names::Named,
-    pyramid::PlaneImage,
     scene::Scene,
+    texture_file::TextureImage,
     trace::{Player, Profile, Selection, Trace, record},
 };
 use texunit_hw::{AddressMode, Filter};
@@ -51,7 +51,7 @@ fn name(kind: &str, filter: Filter) -> String {
 }
 
 /// What a file must hold.
-fn recorded(kind: &str, scene: &Scene, top: &PlaneImage, filter: Filter) -> Trace {
+fn recorded(kind: &str, scene: &Scene, texture: &TextureImage, filter: Filter) -> Trace {
     let default = (scene.texture.wrap, [].as_slice());
     let (wrap, settings) = VARIATIONS
         .iter()
@@ -59,8 +59,8 @@ fn recorded(kind: &str, scene: &Scene, top: &PlaneImage, filter: Filter) -> Trac
         .map_or(default, |(_, _, wrap, settings)| (*wrap, *settings));
     let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
     let machine = Machine::load("herf-12.20", &settings).unwrap();
-    let profile = Profile::of_scene(scene, top, &machine, filter, wrap, &folder()).unwrap();
-    record(scene, top, profile, Selection::Count(REQUESTS), 1).unwrap()
+    let profile = Profile::of_scene(scene, texture, &machine, filter, wrap, &folder()).unwrap();
+    record(scene, texture, profile, Selection::Count(REQUESTS), 1).unwrap()
 }
 
 #[test]
@@ -69,11 +69,11 @@ fn every_filter_and_kind_of_scene_has_a_golden_trace_that_chip_reference_and_cac
     let mut names = BTreeSet::new();
     for (kind, scene) in KINDS {
         let scene = Scene::builtin(scene).unwrap();
-        let top = PlaneImage::of_image(&scene.texture.image());
+        let texture = scene.texture.texture_image();
         for (_, filter) in Filter::ALL {
             let name = name(kind, *filter);
             let path = folder().join(&name);
-            let expected = recorded(kind, &scene, &top, *filter);
+            let expected = recorded(kind, &scene, &texture, *filter);
             if bless {
                 let mut text = Vec::new();
                 expected.write(&mut text).unwrap();
@@ -82,7 +82,7 @@ fn every_filter_and_kind_of_scene_has_a_golden_trace_that_chip_reference_and_cac
             let golden = Trace::load(&path).unwrap_or_else(|error| panic!("{error}"));
             assert!(golden == expected, "{name} is not what the machine records: texunit trace verify {name}");
             assert_eq!(golden.records.len() as u64, REQUESTS);
-            let player = Player::with_texture(&golden.profile, &top).unwrap();
+            let player = Player::with_texture(&golden.profile, &texture).unwrap();
             assert_eq!(golden.verify(&player).unwrap(), None, "{name}");
             names.insert(name);
         }
@@ -109,7 +109,7 @@ fn golden_traces_vary_address_modes_and_roundings_and_are_small() {
             // The texture is made from the head, and is the one recorded.
             let texture = trace.profile.texture;
             if !textures.contains(&texture) {
-                assert_eq!(texture.load(&path).unwrap().width, texture.size[0]);
+                assert_eq!(texture.load(&path).unwrap().top.width, texture.size[0]);
                 textures.push(texture);
             }
             let answers: BTreeSet<_> = trace.records.iter().map(|record| record.response.texel).collect();

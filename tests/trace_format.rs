@@ -5,7 +5,6 @@ use std::{path::Path, sync::OnceLock};
 use proptest::prelude::*;
 use texunit::{
     machine::Machine,
-    pyramid::PlaneImage,
     scene::Scene,
     trace::{FIELDS, Profile, Record, Selection, Trace, record},
 };
@@ -20,11 +19,11 @@ fn text() -> String {
 fn recorded() -> String {
     let scene = Scene::builtin("magnified").unwrap();
     let machine = Machine::load("herf-12.20", &[]).unwrap();
-    let top = PlaneImage::of_image(&scene.texture.image());
+    let texture = scene.texture.texture_image();
     let profile =
-        Profile::of_scene(&scene, &top, &machine, Filter::Trilinear, scene.texture.wrap, Path::new("")).unwrap();
+        Profile::of_scene(&scene, &texture, &machine, Filter::Trilinear, scene.texture.wrap, Path::new("")).unwrap();
     let mut text = Vec::new();
-    record(&scene, &top, profile, Selection::Count(4), 1).unwrap().write(&mut text).unwrap();
+    record(&scene, &texture, profile, Selection::Count(4), 1).unwrap().write(&mut text).unwrap();
     String::from_utf8(text).unwrap()
 }
 

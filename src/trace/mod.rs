@@ -11,7 +11,7 @@ mod verdict;
 mod writer;
 
 pub use player::{Player, Totals};
-pub use profile::Profile;
+pub use profile::{Profile, WITHOUT_EFFECT};
 pub use reader::is_trace;
 pub use record::{FIELDS, Record};
 pub use recording::{Selection, record};
@@ -27,14 +27,14 @@ pub const UNIT: &str = "texture-unit";
 /// A trace: what was asked of which machine, and what it said.
 ///
 /// ```
-/// use texunit::{machine::Machine, pyramid::PlaneImage, scene::Scene, trace::{self, Profile, Selection, Trace}};
+/// use texunit::{machine::Machine, scene::Scene, trace::{self, Profile, Selection, Trace}};
 /// use texunit_hw::Filter;
 /// let scene = Scene::builtin("magnified")?;
 /// let machine = Machine::load("herf-12.20", &[])?;
-/// let top = PlaneImage::of_image(&scene.texture.image());
+/// let texture = scene.texture.texture_image();
 /// let folder = std::path::Path::new(".");
-/// let profile = Profile::of_scene(&scene, &top, &machine, Filter::Bilinear, scene.texture.wrap, folder)?;
-/// let trace = trace::record(&scene, &top, profile, Selection::Count(5), 1)?;
+/// let profile = Profile::of_scene(&scene, &texture, &machine, Filter::Bilinear, scene.texture.wrap, folder)?;
+/// let trace = trace::record(&scene, &texture, profile, Selection::Count(5), 1)?;
 /// let mut text = Vec::new();
 /// trace.write(&mut text).unwrap();
 /// let again = Trace::parse("magnified.trace", text.as_slice())?;

@@ -11,17 +11,16 @@ use texunit_hw::{
 use super::{Profile, Record};
 use crate::{
     error::{Error, Result},
-    pyramid::{PlaneImage, Pyramid},
     reference::Reference,
-    texture_memory::{Held, TextureMemory},
+    texture_file::TextureImage,
+    texture_memory::Held,
 };
 
 /// The machine of a profile, bound to its texture.
 #[derive(Clone, Debug)]
 pub struct Player {
     sampler: Sampler,
-    pyramid: Pyramid,
-    memory: TextureMemory,
+    held: Held,
     cache: Cache,
 }
 
@@ -58,23 +57,23 @@ impl Player {
     ///
     /// # Errors
     /// A machine that cannot be built.
-    pub fn with_texture(profile: &Profile, top: &PlaneImage) -> Result<Self> {
+    pub fn with_texture(profile: &Profile, texture: &TextureImage) -> Result<Self> {
         let machine = &profile.machine;
         machine.check()?;
-        let Held { pyramid, memory } = machine.texture.hold(profile.filter.pyramid(), &top.clone().into())?;
+        let held = machine.texture.hold(profile.filter.pyramid(), texture)?;
         // The texel cache proper refuses what a plain one cannot know: texels larger than a line.
-        let cache = crate::experiment::cache(machine, memory.surface.bytes_per_read())?.cache().clone();
-        Ok(Self { sampler: profile.sampler(), pyramid, memory, cache })
+        let cache = crate::experiment::cache(machine, held.memory.surface.bytes_per_read())?.cache().clone();
+        Ok(Self { sampler: profile.sampler(), held, cache })
     }
 
     /// The memory the addresses of this machine point into, in bytes.
     #[must_use]
     pub const fn memory_bytes(&self) -> u64 {
-        self.memory.surface.bytes
+        self.held.memory.surface.bytes
     }
 
     fn unit(&self) -> Result<Unit<'_>> {
-        Unit::new(&self.sampler, &self.memory.surface, &self.memory.bytes)
+        Unit::new(&self.sampler, &self.held.memory.surface, &self.held.memory.bytes)
             .map_err(|error| Error::setting("machine", &error, "it cannot be built", "see texunit explain"))
     }
 
@@ -97,7 +96,7 @@ impl Player {
     /// # Errors
     /// A machine that cannot be built.
     pub fn reference(&self, requests: &[Request]) -> Result<Vec<Response>> {
-        let reference = Reference::new(&self.pyramid, &self.sampler)?;
+        let reference = Reference::new(&self.held.pyramid, &self.sampler)?;
         Ok(requests.iter().map(|request| reference.sample(request)).collect())
     }
 

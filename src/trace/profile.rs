@@ -11,9 +11,18 @@ use crate::{
     front_end::FrontEnd,
     machine::Machine,
     names::{by_name, by_name_per_axis},
-    pyramid::PlaneImage,
     scene::Scene,
+    texture_file::TextureImage,
 };
+
+/// The sections of a machine that no answer depends on.
+pub const WITHOUT_EFFECT: [&str; 3] = ["timing", "memory", "energy"];
+
+/// A machine with its [`WITHOUT_EFFECT`] at their defaults.
+fn answering(machine: &Machine) -> Machine {
+    let Machine { timing, memory, energy, .. } = Machine::default();
+    Machine { timing, memory, energy, ..machine.clone() }
+}
 
 /// Machine, sampler and texture of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,18 +43,18 @@ pub struct Profile {
     /// What the texture is.
     pub texture: TracedTexture,
     /// The machine: widths, roundings, layout, cache. A key that is not said has the value of the default machine, so that
-    /// traces stay readable when machines learn more.
+    /// traces stay readable when machines learn more. [`WITHOUT_EFFECT`] is at its default and not said.
     pub machine: Machine,
 }
 
 impl Profile {
-    /// For the requests a scene with the texture `top` makes of a filter, in a trace that lies in `folder`.
+    /// For the requests a scene with this texture makes of a filter, in a trace that lies in `folder`.
     ///
     /// # Errors
     /// A texture file that is there no more.
     pub fn of_scene(
         scene: &Scene,
-        top: &PlaneImage,
+        texture: &TextureImage,
         machine: &Machine,
         filter: Filter,
         wrap: [AddressMode; 2],
@@ -56,8 +65,8 @@ impl Profile {
             filter,
             wrap,
             lod_source: LodSource::Gradient,
-            texture: TracedTexture::new(&scene.texture, top, folder)?,
-            machine: machine.clone(),
+            texture: TracedTexture::new(&scene.texture, texture, folder)?,
+            machine: answering(machine),
         })
     }
 

@@ -3,7 +3,7 @@
 use texunit_hw::Request;
 
 use super::{Player, Profile, Trace};
-use crate::{error::Result, experiment::verify::SplitMix, pyramid::PlaneImage, scene::Scene};
+use crate::{error::Result, experiment::verify::SplitMix, scene::Scene, texture_file::TextureImage};
 
 /// Which fragments of a scene become requests; they keep the scene's order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,17 +67,23 @@ impl Selection {
     }
 }
 
-/// Records what the chip answers to requests of a scene with the texture `top`.
+/// Records what the chip answers to requests of a scene with this texture.
 ///
 /// # Errors
 /// A machine that cannot be built.
-pub fn record(scene: &Scene, top: &PlaneImage, profile: Profile, selection: Selection, seed: u64) -> Result<Trace> {
+pub fn record(
+    scene: &Scene,
+    texture: &TextureImage,
+    profile: Profile,
+    selection: Selection,
+    seed: u64,
+) -> Result<Trace> {
     let mut requests = Vec::new();
     selection.requests(scene, &profile, seed, |block| {
         requests.extend_from_slice(block);
         Ok(())
     })?;
-    let player = Player::with_texture(&profile, top)?;
+    let player = Player::with_texture(&profile, texture)?;
     let records = player.chip(&requests)?;
     Ok(Trace { profile, seed, model: env!("CARGO_PKG_VERSION").into(), records, lines: Vec::new() })
 }

@@ -6,8 +6,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::{
     error::{Error, Result},
-    pyramid::{PlaneImage, image_file},
+    pyramid::PlaneImage,
     scene::{Pattern, Procedural, Texture, TextureSource},
+    texture_file::{self, TextureImage},
 };
 
 /// Longest side of a computed texture, cell or line: that of scenes.
@@ -40,19 +41,19 @@ pub struct TracedTexture {
 }
 
 impl TracedTexture {
-    /// For a texture of a scene, whose texels are `top`, in a trace that lies in `folder`.
+    /// For a texture of a scene, as it was read, in a trace that lies in `folder`.
     ///
     /// # Errors
     /// A file that is there no more.
-    pub fn new(texture: &Texture, top: &PlaneImage, folder: &Path) -> Result<Self> {
+    pub fn new(texture: &Texture, read: &TextureImage, folder: &Path) -> Result<Self> {
         let plain = Self {
             pattern: None,
             file: None,
-            size: [top.width, top.height],
+            size: [read.top.width, read.top.height],
             cell: None,
             line: None,
             seed: None,
-            digest: digest(top),
+            digest: digest(read),
         };
         match &texture.source {
             TextureSource::Procedural(Procedural { pattern, cell, line, seed, .. }) => {
@@ -102,52 +103,55 @@ impl TracedTexture {
     ///
     /// # Errors
     /// A file that cannot be read; a texture that is not the one recorded.
-    pub fn load(&self, trace: &Path) -> Result<PlaneImage> {
+    pub fn load(&self, trace: &Path) -> Result<TextureImage> {
         let wrong = |key: &str, problem: String| {
             let remedy =
                 "the trace holds for the texture it was recorded with: put that back, or record the trace again";
             Error::file(trace, format!("key texture.{key}"), problem, remedy)
         };
         self.check().map_err(|(key, problem)| wrong(key, problem))?;
-        let (top, what) = match (self.pattern, &self.file) {
+        let (texture, what) = match (self.pattern, &self.file) {
             (Some(pattern), _) => {
                 let number = |value: Option<u32>| value.unwrap_or_default();
                 let [cell, line, seed] = [self.cell, self.line, self.seed].map(number);
                 let image = Procedural { pattern, size: self.size, cell, line, seed }.image();
-                (PlaneImage::of_image(&image), "the computed texture".to_owned())
+                (PlaneImage::of_image(&image).into(), "the computed texture".to_owned())
             }
             (None, file) => {
                 let file = file.clone().unwrap_or_default();
                 let found = trace.parent().unwrap_or(Path::new("")).join(file);
-                let top = image_file::load(&found)
+                let texture = texture_file::load(&found)
                     .map_err(|error| wrong("file", error.to_string().replace("\n  help: ", "; ")))?;
-                (top, found.display().to_string())
+                (texture, found.display().to_string())
             }
         };
-        if [top.width, top.height] != self.size {
+        let PlaneImage { width: found_width, height: found_height, .. } = texture.top;
+        if [found_width, found_height] != self.size {
             let [width, height] = self.size;
-            let problem = format!("{width} x {height} were recorded, and {what} has {} x {}", top.width, top.height);
+            let problem = format!("{width} x {height} were recorded, and {what} has {found_width} x {found_height}");
             return Err(wrong("size", problem));
         }
-        let found = digest(&top);
+        let found = digest(&texture);
         if found != self.digest {
             return Err(wrong("digest", format!("{:016x} was recorded, and {what} has {found:016x}", self.digest)));
         }
-        Ok(top)
+        Ok(texture)
     }
 }
 
-/// FNV-1a, 64 bits, over the texels: red, green, blue, alpha, row after row from the top.
+/// FNV-1a, 64 bits, over the texels: red, green, blue, alpha, row after row from the top; then over the elements of each level that
+/// its file brought.
 ///
 /// ```
 /// use texunit::{pyramid::PlaneImage, trace::digest};
-/// assert_eq!(digest(&PlaneImage::top(1, 1, vec![*b"foob"])), 0xDD12_0E79_0C25_12AF);
+/// assert_eq!(digest(&PlaneImage::top(1, 1, vec![*b"foob"]).into()), 0xDD12_0E79_0C25_12AF);
 /// ```
 #[must_use]
-pub fn digest(top: &PlaneImage) -> u64 {
-    top.texels
-        .as_flattened()
-        .iter()
+pub fn digest(texture: &TextureImage) -> u64 {
+    let levels = texture.own.iter().flat_map(|own| &own.planes).map(|plane| plane.elements.as_slice());
+    std::iter::once(texture.top.texels.as_flattened())
+        .chain(levels)
+        .flatten()
         .fold(0xCBF2_9CE4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01B3))
 }
 

@@ -2,7 +2,7 @@
 
 use std::io::{Error, Result, Write};
 
-use super::{FIELDS, Trace, UNIT, VERSION};
+use super::{FIELDS, Trace, UNIT, VERSION, WITHOUT_EFFECT};
 
 impl Trace {
     /// Writes the trace as docs/trace-format.md says.
@@ -13,7 +13,11 @@ impl Trace {
         writeln!(out, "// texunit trace {VERSION}")?;
         writeln!(out, "// unit {UNIT}")?;
         writeln!(out, "// model {}", self.model)?;
-        for (key, value) in assignments(&toml::Table::try_from(&self.profile).map_err(Error::other)?) {
+        let mut profile = toml::Table::try_from(&self.profile).map_err(Error::other)?;
+        if let Some(machine) = profile.get_mut("machine").and_then(toml::Value::as_table_mut) {
+            machine.retain(|section, _| !WITHOUT_EFFECT.contains(&section));
+        }
+        for (key, value) in assignments(&profile) {
             writeln!(out, "// {key} = {value}")?;
         }
         writeln!(out, "// seed {}", self.seed)?;

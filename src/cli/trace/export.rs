@@ -14,7 +14,6 @@ use crate::{
     error::{Error, Result},
     machine::parser,
     output::write_or_print,
-    pyramid::PlaneImage,
     scene::Scene,
     trace::{Player, Profile, Selection, Trace, is_trace},
 };
@@ -86,9 +85,9 @@ fn of_scene(args: &Args) -> Result<ExitCode> {
     };
     let machine = args.machine.load()?;
     let scene = Scene::find(&args.source)?;
-    let top = PlaneImage::of_image(&scene.texture.image());
-    let profile = Profile::of_scene(&scene, &top, &machine, filter, scene.texture.wrap, Path::new(""))?;
-    let player = Player::with_texture(&profile, &top)?;
+    let texture = scene.texture.texture_image();
+    let profile = Profile::of_scene(&scene, &texture, &machine, filter, scene.texture.wrap, Path::new(""))?;
+    let player = Player::with_texture(&profile, &texture)?;
     let selection = args.selection.selection(Selection::All);
     write(args, &player, |visit| selection.requests(&scene, &profile, args.selection.seed, visit))
 }

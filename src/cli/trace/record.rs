@@ -12,7 +12,6 @@ use crate::{
     error::Result,
     machine::parser,
     output::write_or_print,
-    pyramid::PlaneImage,
     scene::Scene,
     trace::{self, Profile, Selection, Totals},
 };
@@ -50,10 +49,10 @@ pub(super) fn run(args: &Args) -> Result<ExitCode> {
     let wrap_u = args.wrap.unwrap_or(wrap_u);
     let wrap = [wrap_u, args.wrap_v.or(args.wrap).unwrap_or(wrap_v)];
     let folder = args.output.parent().unwrap_or(Path::new(""));
-    let top = PlaneImage::of_image(&scene.texture.image());
-    let profile = Profile::of_scene(&scene, &top, &machine, args.filter, wrap, folder)?;
+    let texture = scene.texture.texture_image();
+    let profile = Profile::of_scene(&scene, &texture, &machine, args.filter, wrap, folder)?;
     let selection = args.selection.selection(Selection::Count(DEFAULT_COUNT));
-    let trace = trace::record(&scene, &top, profile, selection, args.selection.seed)?;
+    let trace = trace::record(&scene, &texture, profile, selection, args.selection.seed)?;
     write_or_print(&args.output, |file| trace.write(file))?;
     let Totals { reads, misses } = Totals::of(&trace.records);
     eprintln!("texunit: {} requests recorded, {reads} reads, {misses} misses", trace.records.len());

@@ -5,7 +5,7 @@ use std::{path::PathBuf, process::ExitCode};
 use crate::{
     error::Result,
     output::print,
-    pyramid::PlaneImage,
+    texture_file::TextureImage,
     trace::{Player, Trace, TracedTexture},
 };
 
@@ -22,16 +22,16 @@ pub struct Args {
 pub(super) fn run(args: &Args) -> Result<ExitCode> {
     let mut differ = false;
     // Traces come in families: the computed texture of the one before is often that of the next.
-    let mut texture: Option<(TracedTexture, PlaneImage)> = None;
+    let mut texture: Option<(TracedTexture, TextureImage)> = None;
     for path in &args.traces {
         let trace = Trace::load(path)?;
         let named = &trace.profile.texture;
-        let top = match texture.take().filter(|(known, _)| known == named && named.file.is_none()) {
-            Some((_, top)) => top,
+        let held = match texture.take().filter(|(known, _)| known == named && named.file.is_none()) {
+            Some((_, held)) => held,
             None => named.load(path)?,
         };
-        let difference = trace.verify(&Player::with_texture(&trace.profile, &top)?)?;
-        texture = Some((named.clone(), top));
+        let difference = trace.verify(&Player::with_texture(&trace.profile, &held)?)?;
+        texture = Some((named.clone(), held));
         differ |= difference.is_some();
         let name = path.display();
         print(|out| match difference {
