@@ -30,6 +30,29 @@ fn refused(output: &Output, words: &[&str]) {
 }
 
 #[test]
+fn mips_writes_planes_as_a_format_stores_them() {
+    let folder = folder();
+    for (format, bytes) in [("rgb565", 2 * 22), ("palette8", 22), ("bc1", 8 * (2 + 1 + 1)), ("bc7", 16 * (2 + 1 + 1))] {
+        let output = texunit(folder.path(), &["mips", "texture.ppm", "--format", format, "--out", format]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let out = folder.path().join(format);
+        let listing: Value = serde_json::from_slice(&fs::read(out.join("planes.json")).unwrap()).unwrap();
+        assert_eq!((&listing["format"], &listing["bytes"]), (&format.into(), &bytes.into()));
+        let written: usize = ["0_0", "1_1", "2_1"]
+            .map(|plane| fs::read(out.join(format!("plane_{plane}.{format}"))).unwrap().len())
+            .iter()
+            .sum();
+        assert_eq!(written, bytes);
+        assert_eq!(out.join("palette.rgba").exists(), format == "palette8");
+        assert_eq!(listing["palette"].is_string(), format == "palette8");
+    }
+    refused(
+        &texunit(folder.path(), &["mips", "texture.ppm", "--format", "astc", "--out", "x"]),
+        &["astc", "palette8", "bc7"],
+    );
+}
+
+#[test]
 fn mips_writes_every_plane_twice_and_lists_them() {
     let folder = folder();
     for (pyramid, planes, texels) in [

@@ -3,11 +3,12 @@
 
 use texunit::{
     front_end::FrontEnd,
-    pyramid::{Build, PlaneImage, Pyramid},
+    machine::Texture,
+    pyramid::{PlaneImage, Pyramid},
     scene::{AxisRule, Fragment, Gradient, Norm},
-    texture_memory::TextureMemory,
+    texture_memory::{Held, TextureMemory},
 };
-use texunit_hw::{AddressMode, Filter, Format, Layout, Request};
+use texunit_hw::{AddressMode, Filter, Request};
 
 /// Columns.
 pub const WIDTH: usize = 1920;
@@ -74,8 +75,8 @@ impl Case {
             })
             .collect();
         let top = PlaneImage::top(SIDE, SIDE, texels);
-        let pyramid = Build::default().pyramid(filter.pyramid(), &top).expect("a box pyramid");
-        let memory = TextureMemory::new(&pyramid, Layout::default(), Format::Rgba8).expect("4 x 4 tiles");
+        let Held { pyramid, memory } =
+            Texture::default().hold(filter.pyramid(), &top.into()).expect("RGBA8 in 4 x 4 tiles");
         let front_end = FrontEnd {
             filter,
             address: [AddressMode::Wrap; 2],

@@ -183,9 +183,9 @@ fn print_table(listing: &Listing) {
     }
     println!("{table}");
     println!(
-        "{} bytes of {} in all; {:.4} times the texels of the texture",
+        "{} bytes in all: {:.4} times the texture, as {}",
         listing.bytes,
-        listing.format.name(),
-        listing.memory_multiple
+        listing.memory_multiple,
+        listing.format.name()
     );
 }
