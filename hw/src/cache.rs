@@ -189,11 +189,32 @@ pub trait Observer {
 }
 
 /// What watches a cache that is read tap by tap.
-trait TapObserver {
+pub(crate) trait TapObserver {
     /// A tap on this plane begins.
     fn tap(&mut self, plane: u16);
     /// Texels of one line were read, one after the other; `outcome` is that of the first, the others hit.
     fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome);
+}
+
+impl TapObserver for () {
+    #[inline(always)]
+    fn tap(&mut self, _: u16) {}
+    #[inline(always)]
+    fn run<const TEXELS: usize>(&mut self, _: &[u64; TEXELS], _: u64, _: Outcome) {}
+}
+
+/// One after the other.
+impl<A: TapObserver, B: TapObserver> TapObserver for (&mut A, &mut B) {
+    #[inline(always)]
+    fn tap(&mut self, plane: u16) {
+        self.0.tap(plane);
+        self.1.tap(plane);
+    }
+    #[inline(always)]
+    fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome) {
+        self.0.run(addresses, line, outcome);
+        self.1.run(addresses, line, outcome);
+    }
 }
 
 impl Observer for () {

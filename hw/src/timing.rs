@@ -26,7 +26,7 @@ use alloc::vec::Vec;
 
 use crate::{
     address::{Footprint, is_outside},
-    cache::TexelCache,
+    cache::{TapObserver, TexelCache},
     unit::{Batch, Sink},
 };
 use banks::Banks;
@@ -222,11 +222,19 @@ impl<O: TimingObserver> Timing<O> {
         while let Some((plane, addresses)) = taps.next() {
             planes.add(plane);
             count += 1;
-            last = Some(self.tap(&request, plane, addresses, taps.peek().is_none()));
+            self.reads.clear();
+            self.look_up(plane, addresses);
+            last = Some(self.tap(&request, plane, addresses, 0, taps.peek().is_none()));
         }
         if let Some(last) = last {
             self.finish(&request, last, count, planes.count);
         }
+    }
+
+    /// Looks up one more tap, address by address.
+    fn look_up(&mut self, plane: usize, addresses: &[u64]) {
+        self.reads.tap(plane as u16);
+        self.cache.read_observed(plane, addresses, &mut self.reads);
     }
 
     #[inline(always)]
@@ -262,11 +270,9 @@ impl<O: TimingObserver> Timing<O> {
         self.histograms.anisotropy[probes.min(HISTOGRAM_MAX)] += 1;
     }
 
-    /// One tap through every unit.
+    /// One tap through every unit, `number` among those looked up.
     #[inline(always)]
-    fn tap(&mut self, request: &Started, plane: usize, addresses: &[u64], is_last: bool) -> Timed {
-        self.reads.clear();
-        self.cache.read_observed(plane, addresses, &mut self.reads);
+    fn tap(&mut self, request: &Started, plane: usize, addresses: &[u64], number: usize, is_last: bool) -> Timed {
         if plane >= self.planes.len() {
             self.planes.resize(plane + 1, PlaneTiming::default());
         }
@@ -285,7 +291,7 @@ impl<O: TimingObserver> Timing<O> {
         self.ledgers.tag.stall_until(room, &mut self.counters.tag_stall_fragment_fifo);
         let tag = self.tag.earliest(at_door.max(room));
         self.tap_fifo.pass(issue, tag + 1);
-        let accessed = self.access_lines(plane, tag);
+        let accessed = self.access_lines(plane, tag, number);
         let tag_done = accessed.done;
         self.tag.count(tag_done);
 
@@ -322,7 +328,7 @@ impl<O: TimingObserver> Timing<O> {
         counters.data_conflict_clocks += data_done - data - writes;
         let row = &mut self.planes[plane];
         row.taps += 1;
-        row.reads += self.reads.reads;
+        row.reads += addresses.len() as u64;
         row.stall_wait_read += waited;
         self.observer.tap(TapTimes {
             tap: counters.taps,
@@ -342,11 +348,12 @@ impl<O: TimingObserver> Timing<O> {
 
     /// The line accesses of a tap that entered the tag unit at `tag`.
     #[inline(always)]
-    fn access_lines(&mut self, plane: usize, tag: u64) -> Accessed {
+    fn access_lines(&mut self, plane: usize, tag: u64, number: usize) -> Accessed {
         let mut accessed = Accessed { done: tag, filled: 0, misses: 0 };
-        let accesses = self.reads.count();
-        for number in 0..accesses {
-            let Access { line, slot, hit } = self.reads.access(number);
+        let range = self.reads.of_tap(number);
+        let accesses = range.len();
+        for access in range {
+            let Access { line, slot, hit } = self.reads.access(access);
             let from = accessed.done.max(self.unblocked);
             self.ledgers.tag.stall_until(from, &mut self.counters.tag_stall_blocked);
             let bank = self.tag_banks.bank(line);
@@ -533,13 +540,25 @@ impl<O: TimingObserver> Sink for Timing<O> {
     fn take(&mut self, batch: Batch<'_>) {
         let channels_apart = batch.surface.reads_per_texel() > 1;
         let mut gathered = [0; READS_MAX];
+        self.reads.clear();
+        if channels_apart {
+            for tap in batch.taps {
+                let addresses = gather(&batch, tap, channels_apart, &mut gathered);
+                self.look_up(tap.plane.into(), addresses);
+            }
+        } else {
+            self.cache.take_observed(batch, &mut self.reads);
+        }
+        let mut number = 0;
         for taps in batch.per_request() {
             let request = self.start();
             let (mut planes, mut last) = (PlanesRead::default(), None);
-            for (number, tap) in taps.iter().enumerate() {
+            for (of_request, tap) in taps.iter().enumerate() {
                 planes.add(tap.plane.into());
                 let addresses = gather(&batch, tap, channels_apart, &mut gathered);
-                last = Some(self.tap(&request, tap.plane.into(), addresses, number + 1 == taps.len()));
+                let is_last = of_request + 1 == taps.len();
+                last = Some(self.tap(&request, tap.plane.into(), addresses, number, is_last));
+                number += 1;
             }
             if let Some(last) = last {
                 self.finish(&request, last, taps.len(), planes.count);

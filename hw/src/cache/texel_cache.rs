@@ -199,6 +199,28 @@ impl TexelCache {
     }
 }
 
+impl TexelCache {
+    /// Reads the taps of a batch, of a layout that keeps a texel together, with someone watching.
+    #[inline]
+    pub(crate) fn take_observed(&mut self, batch: Batch<'_>, observer: &mut impl TapObserver) {
+        let planes = batch.surface.planes.len();
+        if self.planes.len() < planes {
+            self.planes.resize(planes, PlaneCounters::default());
+        }
+        let planes = &mut self.planes[..];
+        match &mut self.meter {
+            Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } => {
+                let watch = &mut FullWatch { classifier, line_use, planes, plane: 0 };
+                self.cache.access_taps(batch.taps, batch.texels_per_tap, &mut (watch, observer));
+            }
+            meter => {
+                let watch = &mut TapWatch { meter, planes, plane: 0 };
+                self.cache.access_taps(batch.taps, batch.texels_per_tap, &mut (watch, observer));
+            }
+        }
+    }
+}
+
 impl Sink for TexelCache {
     /// Reads the taps of a batch, texel by texel, in order of issue.
     #[inline]
@@ -208,21 +230,7 @@ impl Sink for TexelCache {
                 self.read(plane, address);
             });
         }
-        let planes = batch.surface.planes.len();
-        if self.planes.len() < planes {
-            self.planes.resize(planes, PlaneCounters::default());
-        }
-        let planes = &mut self.planes[..];
-        match &mut self.meter {
-            Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } => {
-                let watch = &mut FullWatch { classifier, line_use, planes, plane: 0 };
-                self.cache.access_taps(batch.taps, batch.texels_per_tap, watch);
-            }
-            meter => {
-                let watch = &mut TapWatch { meter, planes, plane: 0 };
-                self.cache.access_taps(batch.taps, batch.texels_per_tap, watch);
-            }
-        }
+        self.take_observed(batch, &mut ());
     }
 }
 

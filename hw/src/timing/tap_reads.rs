@@ -1,6 +1,8 @@
-//! The reads of one tap as the cache saw them, reduced to its line accesses.
+//! The reads of taps as the cache saw them, reduced to line accesses.
 
-use crate::cache::{Observer, Outcome};
+use alloc::vec::Vec;
+
+use crate::cache::{Observer, Outcome, TapObserver};
 
 /// Most reads of a tap: four texels, three channels apart.
 pub(super) const READS_MAX: usize = 12;
@@ -13,45 +15,57 @@ pub(super) struct Access {
     pub(super) hit: bool,
 }
 
-/// The line accesses of a tap, in order.
-#[derive(Clone, Copy, Debug, Default)]
+/// The line accesses of some taps, in order. Hits do not depend on time, so the cache can be asked for all of them first.
+#[derive(Clone, Debug, Default)]
 pub(super) struct TapReads {
-    /// Reads seen.
-    pub(super) reads: u64,
-    count: usize,
-    /// Line of the read before.
-    last: u64,
-    accesses: [Access; READS_MAX],
+    accesses: Vec<Access>,
+    /// Where the accesses of each tap begin.
+    begins: Vec<usize>,
 }
 
 impl TapReads {
+    pub(super) fn clear(&mut self) {
+        self.accesses.clear();
+        self.begins.clear();
+    }
+
+    /// The accesses of a tap.
     #[inline(always)]
-    pub(super) const fn clear(&mut self) {
-        (self.reads, self.count) = (0, 0);
+    pub(super) fn of_tap(&self, tap: usize) -> core::ops::Range<usize> {
+        self.begins[tap]..self.begins.get(tap + 1).copied().unwrap_or(self.accesses.len())
     }
 
     #[inline(always)]
-    pub(super) const fn count(&self) -> usize {
-        self.count
-    }
-
-    #[inline(always)]
-    pub(super) const fn access(&self, number: usize) -> Access {
+    pub(super) fn access(&self, number: usize) -> Access {
         self.accesses[number]
+    }
+
+    #[inline(always)]
+    fn read(&mut self, line: u64, outcome: Outcome) {
+        let hit = outcome.is_hit();
+        let begin = self.begins.last().copied().unwrap_or(0);
+        if !(hit && self.accesses[begin..].iter().any(|access| access.line == line)) {
+            self.accesses.push(Access { line, slot: outcome.slot(), hit });
+        }
+    }
+}
+
+impl TapObserver for TapReads {
+    #[inline(always)]
+    fn tap(&mut self, _: u16) {
+        self.begins.push(self.accesses.len());
+    }
+
+    /// The texels of a run after the first hit the line the first accessed.
+    #[inline(always)]
+    fn run<const TEXELS: usize>(&mut self, _: &[u64; TEXELS], line: u64, outcome: Outcome) {
+        self.read(line, outcome);
     }
 }
 
 impl Observer for TapReads {
     #[inline(always)]
     fn lookup(&mut self, _: u64, line: u64, outcome: Outcome) {
-        self.reads += 1;
-        let hit = outcome.is_hit();
-        let again = line == self.last && self.count > 0;
-        self.last = line;
-        if hit && (again || self.accesses[..self.count].iter().any(|access| access.line == line)) {
-            return;
-        }
-        self.accesses[self.count] = Access { line, slot: outcome.slot(), hit };
-        self.count += 1;
+        self.read(line, outcome);
     }
 }
