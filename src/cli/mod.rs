@@ -5,6 +5,7 @@ mod drift;
 mod explain;
 mod frames;
 mod kernels;
+mod lod;
 mod mips;
 mod pareto;
 mod report;
@@ -44,6 +45,7 @@ enum Command {
     Explain(explain::Args),
     Frames(frames::Args),
     Kernels(kernels::Args),
+    Lod(lod::Args),
     Mips(mips::Args),
     Pareto(pareto::Args),
     Report(report::Args),
@@ -103,6 +105,7 @@ pub fn main() -> ExitCode {
         Command::Explain(args) => explain::run(&args),
         Command::Frames(args) => frames::run(&args),
         Command::Kernels(args) => kernels::run(args),
+        Command::Lod(args) => lod::run(&args),
         Command::Mips(args) => mips::run(args),
         Command::Pareto(args) => pareto::run(&args),
         Command::Report(args) => report::run(&args),
