@@ -11,12 +11,14 @@ use texunit_hw::{
 
 mod addresses;
 mod deviation;
+mod float_only;
 mod image_quality;
 pub mod report;
 pub mod verify;
 
 pub use addresses::AddressBench;
 pub use deviation::Deviation;
+pub use float_only::{FloatOutcome, ewa};
 pub use image_quality::ImageQuality;
 
 use crate::{
