@@ -49,8 +49,20 @@ fn signed(value: f64) -> String {
 
 fn ladder_table() -> Table {
     let header = [
-        "log2", "chip least", "greatest", "mean", "sweep least", "greatest", "mean", "idea worst", "mean", "published",
-        "mean", "8 bits", "mean", "source",
+        "log2",
+        "chip least",
+        "greatest",
+        "mean",
+        "sweep least",
+        "greatest",
+        "mean",
+        "idea worst",
+        "mean",
+        "published",
+        "mean",
+        "8 bits",
+        "mean",
+        "source",
     ];
     let mut table = table(&header, 1);
     if let Some(column) = table.column_mut(header.len() - 1) {

@@ -7,6 +7,7 @@ mod frames;
 mod kernels;
 mod lod;
 mod mips;
+mod paper;
 mod pareto;
 mod report;
 mod reuse;
@@ -47,6 +48,7 @@ enum Command {
     Kernels(kernels::Args),
     Lod(lod::Args),
     Mips(mips::Args),
+    Paper(paper::Args),
     Pareto(pareto::Args),
     Report(report::Args),
     Reuse(reuse::Args),
@@ -107,6 +109,7 @@ pub fn main() -> ExitCode {
         Command::Kernels(args) => kernels::run(args),
         Command::Lod(args) => lod::run(&args),
         Command::Mips(args) => mips::run(args),
+        Command::Paper(args) => paper::run(&args),
         Command::Pareto(args) => pareto::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Reuse(args) => reuse::run(&args),

@@ -86,8 +86,14 @@ const GRADIENT_COLUMNS: &[&str] = &["u", "v", "dudx", "dvdx", "dudy", "dvdy"];
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
     if args.filter == AnyFilter::Ewa && args.model != Model::Ideal {
-        let problem = "ewa weighs every texel of an ellipse in floats: no unit has it, so there are no bits to answer with";
-        return Err(Error::setting("--filter", "ewa", problem, "add `--model ideal`, or take feline, its nearest on the chip"));
+        let problem =
+            "ewa weighs every texel of an ellipse in floats: no unit has it, so there are no bits to answer with";
+        return Err(Error::setting(
+            "--filter",
+            "ewa",
+            problem,
+            "add `--model ideal`, or take feline, its nearest on the chip",
+        ));
     }
     let address = [args.wrap, args.wrap_v.unwrap_or(args.wrap)];
     let texture = texture_file::load(&args.texture)?;

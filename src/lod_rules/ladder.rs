@@ -88,8 +88,10 @@ pub fn measure() -> Vec<Rung> {
         sums
     };
     let none = || vec![Sum::NONE; 2 * units.len()];
-    let tasks: Vec<Vec<Sum>> =
-        (0..MANTISSAS / TASK).into_par_iter().map(|task| of_mantissas(&units, task * TASK..(task + 1) * TASK)).collect();
+    let tasks: Vec<Vec<Sum>> = (0..MANTISSAS / TASK)
+        .into_par_iter()
+        .map(|task| of_mantissas(&units, task * TASK..(task + 1) * TASK))
+        .collect();
     let sums = tasks.into_iter().fold(none(), merge);
     let tasks: Vec<Vec<Sum>> =
         (0..SWEEP / TASK).into_par_iter().map(|task| of_sweep(&units, task * TASK..(task + 1) * TASK)).collect();
