@@ -9,6 +9,7 @@ pub mod error;
 pub mod experiment;
 pub mod flicker;
 pub mod front_end;
+pub mod lod_rules;
 pub mod machine;
 pub mod names;
 pub mod output;

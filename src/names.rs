@@ -34,6 +34,51 @@ pub trait Named: Copy + PartialEq + 'static {
     }
 }
 
+/// What `--filter` can name: the filters of the unit, and the one no unit has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnyFilter {
+    /// On the chip.
+    Unit(Filter),
+    /// The elliptical weighted average, in floats only.
+    Ewa,
+}
+
+impl AnyFilter {
+    /// All of them, in the order they are listed to a user.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Filter::ALL.iter().map(|(_, filter)| Self::Unit(*filter)).chain([Self::Ewa])
+    }
+
+    /// The name of this filter.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unit(filter) => filter.name(),
+            Self::Ewa => "ewa",
+        }
+    }
+
+    /// The filter of a name.
+    ///
+    /// # Errors
+    /// A sentence that lists the names there are.
+    pub fn from_name(name: &str) -> Result<Self, String> {
+        if name == Self::Ewa.name() {
+            return Ok(Self::Ewa);
+        }
+        Filter::from_name(name).map(Self::Unit).map_err(|problem| format!("{problem}, ewa"))
+    }
+
+    /// The filter of the unit whose pyramid this one reads.
+    #[must_use]
+    pub const fn on_pyramid_of(self) -> Filter {
+        match self {
+            Self::Unit(filter) => filter,
+            Self::Ewa => Filter::Trilinear,
+        }
+    }
+}
+
 macro_rules! names {
     ($($type:ty, $what:literal { $($name:literal => $choice:expr),* $(,)? })*) => {
         $(impl Named for $type {

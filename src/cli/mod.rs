@@ -5,7 +5,9 @@ mod drift;
 mod explain;
 mod frames;
 mod kernels;
+mod lod;
 mod mips;
+mod paper;
 mod pareto;
 mod report;
 mod reuse;
@@ -44,7 +46,9 @@ enum Command {
     Explain(explain::Args),
     Frames(frames::Args),
     Kernels(kernels::Args),
+    Lod(lod::Args),
     Mips(mips::Args),
+    Paper(paper::Args),
     Pareto(pareto::Args),
     Report(report::Args),
     Reuse(reuse::Args),
@@ -103,7 +107,9 @@ pub fn main() -> ExitCode {
         Command::Explain(args) => explain::run(&args),
         Command::Frames(args) => frames::run(&args),
         Command::Kernels(args) => kernels::run(args),
+        Command::Lod(args) => lod::run(&args),
         Command::Mips(args) => mips::run(args),
+        Command::Paper(args) => paper::run(&args),
         Command::Pareto(args) => pareto::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Reuse(args) => reuse::run(&args),

@@ -14,9 +14,9 @@ use texunit_hw::Filter;
 use super::{STOP, progress_bar, stop_on_ctrl_c};
 use crate::{
     error::{Error, Result},
-    experiment::{Bench, Outcome, Pyramids, Stage, report},
-    machine::{Machine, parser},
-    names::Named,
+    experiment::{Bench, FloatOutcome, Outcome, Pyramids, Stage, ewa, report},
+    machine::Machine,
+    names::{AnyFilter, Named},
     output::{create_folder, print, write_whole},
     scene::Scene,
 };
@@ -31,8 +31,8 @@ pub struct Args {
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
     /// Filters, all if none is given
-    #[arg(long, short, value_delimiter = ',', value_parser = parser::<Filter>())]
-    filters: Vec<Filter>,
+    #[arg(long, short, value_delimiter = ',', value_parser = AnyFilter::from_name)]
+    filters: Vec<AnyFilter>,
     /// Folder for reports and images
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     output: PathBuf,
@@ -61,11 +61,9 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
     let scenes = scenes(&args.scenes, args.size)?;
-    let filters: Vec<Filter> = if args.filters.is_empty() {
-        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
-    } else {
-        args.filters.clone()
-    };
+    let filters: Vec<AnyFilter> =
+        if args.filters.is_empty() { AnyFilter::all().collect() } else { args.filters.clone() };
+    let on_pyramids: Vec<Filter> = filters.iter().map(|filter| filter.on_pyramid_of()).collect();
     create_folder(&args.output)?;
     let _lock = lock(&args.output)?;
     stop_on_ctrl_c();
@@ -79,24 +77,34 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         }
         progress.set_message(format!("{}: ground truth", scene.name));
         let stage = Stage::in_light(scene, machine.texture.srgb);
-        let pyramids = Pyramids::for_filters(&machine, &stage.texture, &filters)?;
+        let pyramids = Pyramids::for_filters(&machine, &stage.texture, &on_pyramids)?;
         written.truth(&stage)?;
-        let mut outcomes = Vec::new();
+        let (mut outcomes, mut floats) = (Vec::new(), Vec::new());
         for &filter in &filters {
             if STOP.load(Ordering::Relaxed) {
                 break;
             }
             progress.set_message(format!("{}: {}", stage.scene.name, filter.name()));
-            let (pyramid, memory) = pyramids.of(filter);
-            let outcome = Bench::new(&stage, &machine, filter, pyramid, memory).measure(&machine)?;
-            written.images(&stage, &outcome)?;
-            outcomes.push(outcome);
+            let (pyramid, memory) = pyramids.of(filter.on_pyramid_of());
+            match filter {
+                AnyFilter::Unit(filter) => {
+                    let outcome = Bench::new(&stage, &machine, filter, pyramid, memory).measure(&machine)?;
+                    let texels = outcome.responses.iter().map(|response| response.texel);
+                    written.images(&stage, filter.name(), texels)?;
+                    outcomes.push(outcome);
+                }
+                AnyFilter::Ewa => {
+                    let outcome = ewa(&stage, &machine, pyramid)?;
+                    written.images(&stage, filter.name(), outcome.texels.iter().copied())?;
+                    floats.push(outcome);
+                }
+            }
             progress.inc(1);
         }
-        written.report(&stage, &outcomes)?;
+        written.report(&stage, &outcomes, &floats)?;
         mismatches += outcomes.iter().map(|outcome| outcome.mismatches).sum::<u64>();
         if !args.json {
-            progress.suspend(|| print(|out| print_scene(out, &stage, &outcomes)))?;
+            progress.suspend(|| print(|out| print_scene(out, &stage, &outcomes, &floats)))?;
         }
     }
     progress.finish_and_clear();
@@ -153,7 +161,7 @@ fn lock(folder: &Path) -> Result<File> {
     }
 }
 
-fn print_scene(out: &mut dyn Write, stage: &Stage, outcomes: &[Outcome]) -> std::io::Result<()> {
+fn print_scene(out: &mut dyn Write, stage: &Stage, outcomes: &[Outcome], floats: &[FloatOutcome]) -> std::io::Result<()> {
     let coverage = &stage.coverage;
     let behind =
         if coverage.behind > 0 { format!(", {} behind the eye and left out", coverage.behind) } else { String::new() };
@@ -167,7 +175,7 @@ fn print_scene(out: &mut dyn Write, stage: &Stage, outcomes: &[Outcome]) -> std:
         coverage.covered,
         stage.scene.ground_truth.samples * stage.scene.ground_truth.samples,
     )?;
-    writeln!(out, "{}", report::table(outcomes))?;
+    writeln!(out, "{}", report::table(outcomes, floats))?;
     for outcome in outcomes {
         if outcome.undefined > 0 {
             writeln!(out, "{}: {} coordinates without a place", outcome.filter.name(), outcome.undefined)?;
@@ -196,19 +204,20 @@ impl Written<'_> {
     }
 
     /// Image and difference of one filter.
-    fn images(&self, stage: &Stage, outcome: &Outcome) -> Result<()> {
+    fn images(&self, stage: &Stage, name: &str, texels: impl Iterator<Item = [u8; 4]> + Clone) -> Result<()> {
         let folder = self.folder.join(&stage.scene.name);
-        let name = outcome.filter.name();
-        let picture = stage.picture(outcome.responses.iter().map(|response| response.texel));
-        write_png(&folder.join(format!("{name}.png")), &picture)?;
-        write_png(&folder.join(format!("{name}-difference.png")), &difference(stage, outcome))
+        write_png(&folder.join(format!("{name}.png")), &stage.picture(texels.clone()))?;
+        write_png(&folder.join(format!("{name}-difference.png")), &difference(stage, texels))
     }
 
     /// The reports anew, with one scene more: an interrupted run leaves those of the finished scenes.
-    fn report(&mut self, stage: &Stage, outcomes: &[Outcome]) -> Result<()> {
-        self.scenes.push(report::scene_json(stage, outcomes));
+    fn report(&mut self, stage: &Stage, outcomes: &[Outcome], floats: &[FloatOutcome]) -> Result<()> {
+        self.scenes.push(report::scene_json(stage, outcomes, floats));
         for outcome in outcomes {
             self.rows.push((stage.scene.name.clone(), outcome.filter.name(), report::metrics(outcome)));
+        }
+        for outcome in floats {
+            self.rows.push((stage.scene.name.clone(), outcome.filter.name(), report::float_metrics(outcome)));
         }
         let json = format!("{:#}\n", self.json());
         write_whole(&self.folder.join("report.json"), |file| file.write_all(json.as_bytes()))?;
@@ -221,10 +230,10 @@ impl Written<'_> {
 }
 
 /// Middle grey where answer and truth agree, the signed difference of each channel around it.
-fn difference(stage: &Stage, outcome: &Outcome) -> RgbaImage {
-    let texels = stage.fragments.iter().zip(&outcome.responses).map(|(fragment, response)| {
+fn difference(stage: &Stage, texels: impl Iterator<Item = [u8; 4]>) -> RgbaImage {
+    let texels = stage.fragments.iter().zip(texels).map(|(fragment, texel)| {
         let truth = stage.truth.at(fragment.x, fragment.y);
-        let channel = |c: usize| (128.0 + f32::from(response.texel[c]) - truth[c]).round().clamp(0.0, 255.0) as u8;
+        let channel = |c: usize| (128.0 + f32::from(texel[c]) - truth[c]).round().clamp(0.0, 255.0) as u8;
         [channel(0), channel(1), channel(2), 255]
     });
     stage.picture(texels)

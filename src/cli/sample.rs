@@ -13,10 +13,12 @@ use crate::{
     error::{Error, Result},
     front_end::{FrontEnd, coordinates},
     machine::{Machine, parser, to_level},
+    names::AnyFilter,
     output::write_or_print,
     pyramid::Pyramid,
     reference::{
         Reference,
+        ewa::Ewa,
         ideal::{Detail, Ideal, IdealSampler},
     },
     scene::{Fragment, Gradient},
@@ -35,9 +37,9 @@ pub struct Args {
     /// Texture to sample: PNG, JPEG, BMP, TGA, PNM, GIF, KTX2 or DDS
     #[arg(long, value_name = "FILE")]
     texture: PathBuf,
-    /// Filter: point, bilinear, nearest-mip, trilinear, dipmap, ...
-    #[arg(long, value_parser = parser::<Filter>())]
-    filter: Filter,
+    /// Filter: point, bilinear, nearest-mip, trilinear, dipmap, ...; `ewa` with `--model ideal`
+    #[arg(long, value_parser = AnyFilter::from_name)]
+    filter: AnyFilter,
     /// Address mode of both axes: wrap, clamp, clip, mirror
     #[arg(long, value_parser = parser::<AddressMode>(), default_value = "wrap")]
     wrap: AddressMode,
@@ -83,16 +85,27 @@ const GRADIENT_COLUMNS: &[&str] = &["u", "v", "dudx", "dvdx", "dudy", "dvdy"];
 /// Unreadable or malformed input, with its line; an output that cannot be written.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
+    if args.filter == AnyFilter::Ewa && args.model != Model::Ideal {
+        let problem =
+            "ewa weighs every texel of an ellipse in floats: no unit has it, so there are no bits to answer with";
+        return Err(Error::setting(
+            "--filter",
+            "ewa",
+            problem,
+            "add `--model ideal`, or take feline, its nearest on the chip",
+        ));
+    }
     let address = [args.wrap, args.wrap_v.unwrap_or(args.wrap)];
     let texture = texture_file::load(&args.texture)?;
-    let Held { pyramid, memory } = machine.texture.hold(args.filter.pyramid(), &texture)?;
+    let Held { pyramid, memory } = machine.texture.hold(args.filter.on_pyramid_of().pyramid(), &texture)?;
     let (name, input): (&Path, Box<dyn BufRead>) = if args.input.as_os_str() == "-" {
         (Path::new("standard input"), Box::new(io::stdin().lock()))
     } else {
         (&args.input, Box::new(BufReader::new(File::open(&args.input).map_err(Error::io(&args.input))?)))
     };
     let mut rows = Rows::new(name, input)?;
-    let session = Session { args, machine: &machine, address, pyramid: &pyramid, memory: &memory };
+    let filter = args.filter.on_pyramid_of();
+    let session = Session { args, filter, machine: &machine, address, pyramid: &pyramid, memory: &memory };
     // The rows are read while the output is written: an error of the former must not leave half of the latter.
     let mut failed = None;
     let written = write_or_print(&args.output, |output| match session.answer(&mut rows, output) {
@@ -115,6 +128,8 @@ type FixedSampler<'s> = Box<dyn FnMut(&[Request]) -> Vec<Response> + 's>;
 
 struct Session<'a> {
     args: &'a Args,
+    /// That of the unit; the one whose pyramid EWA reads.
+    filter: Filter,
     machine: &'a Machine,
     address: [AddressMode; 2],
     pyramid: &'a Pyramid,
@@ -125,8 +140,8 @@ impl Session<'_> {
     /// Answers every row; an error of the writer is returned inside, one of the rows outside.
     fn answer(&self, rows: &mut Rows, output: &mut dyn Write) -> Result<Option<io::Error>> {
         let source = if rows.columns == Columns::Level { LodSource::Explicit } else { LodSource::Gradient };
-        let sampler = self.machine.sampler(self.args.filter, self.address, source);
-        let per_axis = self.args.filter.level_per_axis();
+        let sampler = self.machine.sampler(self.filter, self.address, source);
+        let per_axis = self.filter.level_per_axis();
         let mut text = format!("r,g,b,a,lod{}\n", if per_axis { ",lod_v" } else { "" });
         let mut block = Vec::with_capacity(BLOCK);
         let mut sampled = self.sampler(&sampler)?;
@@ -152,6 +167,18 @@ impl Session<'_> {
     fn sampler<'s>(&'s self, sampler: &'s Sampler) -> Result<RowSampler<'s>> {
         use std::fmt::Write as _;
         let per_axis = sampler.filter.level_per_axis();
+        if self.args.filter == AnyFilter::Ewa {
+            let ewa = Ewa::new(self.pyramid, &IdealSampler::from(sampler))?;
+            let size = [self.pyramid.width, self.pyramid.height];
+            return Ok(Box::new(move |rows, text| {
+                for row in rows {
+                    let answer = ewa.sample([row.u, row.v], row.gradient(size));
+                    let [r, g, b, a] = answer.texel;
+                    let _ = writeln!(text, "{r},{g},{b},{a},{}", answer.lod);
+                }
+                0
+            }));
+        }
         if self.args.model == Model::Ideal {
             let ideal = Ideal::new(self.pyramid, IdealSampler::from(sampler))?;
             let front_end = self.front_end();
@@ -207,7 +234,7 @@ impl Session<'_> {
 
     fn front_end(&self) -> FrontEnd {
         FrontEnd {
-            filter: self.args.filter,
+            filter: self.filter,
             address: self.address,
             norm: self.machine.lod.norm,
             rule: self.machine.lod.dipmap_rule,
@@ -241,6 +268,17 @@ enum RowDetail {
 }
 
 impl Row {
+    /// The gradient; of a level, that of a round footprint.
+    fn gradient(&self, size: [u32; 2]) -> Gradient {
+        match self.detail {
+            RowDetail::Gradient(gradient) => gradient,
+            RowDetail::Level(level) => {
+                let [ux, vy] = size.map(|texels| libm::exp2(level) / f64::from(texels));
+                Gradient { ux, vy, ..Gradient::default() }
+            }
+        }
+    }
+
     fn fragment(&self) -> Fragment {
         let gradient = match self.detail {
             RowDetail::Gradient(gradient) => gradient,

@@ -10,13 +10,16 @@ use texunit_hw::{
 };
 
 mod addresses;
+pub mod alias;
 mod deviation;
+mod float_only;
 mod image_quality;
 pub mod report;
 pub mod verify;
 
 pub use addresses::AddressBench;
 pub use deviation::Deviation;
+pub use float_only::{FloatOutcome, ewa};
 pub use image_quality::ImageQuality;
 
 use crate::{
@@ -255,6 +258,22 @@ impl<'s> Bench<'s> {
     /// A machine that cannot run.
     pub fn time(&self, machine: &Machine) -> Result<Timed> {
         Ok(time_requests(machine, &self.sampler, self.memory, &self.requests, None, ())?.0)
+    }
+
+    /// Seconds of this machine for the texels of the whole scene, without a cache, one thread: the best of some runs.
+    ///
+    /// # Errors
+    /// A machine that cannot be built.
+    pub fn texel_seconds(&self, repeats: u8) -> Result<f64> {
+        let mut unit = self.unit()?;
+        let mut responses = vec![Response::default(); self.requests.len()];
+        let mut best = f64::INFINITY;
+        for _ in 0..repeats {
+            let begin = Instant::now();
+            unit.run(&self.requests, &mut responses, &mut ());
+            best = best.min(begin.elapsed().as_secs_f64());
+        }
+        Ok(best)
     }
 
     /// Counts answers that differ from the float reference in any bit of texel or level.

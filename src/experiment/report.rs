@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use texunit_hw::cache::Counters;
 
-use super::{Deviation, Outcome, Stage};
+use super::{Deviation, FloatOutcome, Outcome, Stage};
 use crate::{machine::Machine, names::Named};
 
 /// Version of the shape of report.json; it grows when a field changes its meaning or goes away.
@@ -104,9 +104,24 @@ pub fn metrics_json(metrics: &[Metric]) -> Value {
         .into()
 }
 
-/// The table of one scene.
+/// The same of a filter in floats: no cache, no bits, no memory of its own.
 #[must_use]
-pub fn table(outcomes: &[Outcome]) -> Table {
+pub fn float_metrics(outcome: &FloatOutcome) -> Vec<Metric> {
+    let pixels = outcome.texels.len() as u64;
+    let per_pixel = outcome.texels_read as f64 / pixels.max(1) as f64;
+    let mut metrics = vec![
+        metric("pixels", pixels as f64, "pixel"),
+        metric("reads_per_pixel", per_pixel, "read/pixel"),
+        metric("lookups", outcome.texels_read as f64, "read"),
+        host_metric(outcome.host_seconds, pixels),
+    ];
+    metrics.extend(deviation_metrics(AGAINST_TRUTH, &outcome.against_truth));
+    metrics
+}
+
+/// The table of one scene; filters in floats come last, with their counts and errors only.
+#[must_use]
+pub fn table(outcomes: &[Outcome], floats: &[FloatOutcome]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_BORDERS_ONLY).set_header([
         "filter",
@@ -127,14 +142,15 @@ pub fn table(outcomes: &[Outcome]) -> Table {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    for outcome in outcomes {
-        let metrics = metrics(outcome);
+    let rows = outcomes.iter().map(|outcome| (outcome.filter.name().to_owned(), metrics(outcome)));
+    let in_floats = floats.iter().map(|outcome| (format!("{} (float)", outcome.filter.name()), float_metrics(outcome)));
+    for (name, metrics) in rows.chain(in_floats) {
         let number = |name: &str, digits: usize, scale: f64| {
             let value = metrics.iter().find(|metric| metric.name == name).and_then(|metric| metric.value);
             value.map_or_else(|| "-".into(), |value| format!("{:.digits$}", value * scale))
         };
         table.add_row([
-            outcome.filter.name().into(),
+            name,
             number("cycles_per_pixel", 2, 1.0),
             number("reads_per_pixel", 1, 1.0),
             number("misses", 0, 1.0),
@@ -155,7 +171,11 @@ pub fn table(outcomes: &[Outcome]) -> Table {
 
 /// One scene of report.json.
 #[must_use]
-pub fn scene_json(stage: &Stage, outcomes: &[Outcome]) -> Value {
+pub fn scene_json(stage: &Stage, outcomes: &[Outcome], floats: &[FloatOutcome]) -> Value {
+    let in_floats = floats.iter().map(|outcome| {
+        let metrics = metrics_json(&float_metrics(outcome));
+        json!({ "filter": outcome.filter.name(), "float_only": true, "metrics": metrics })
+    });
     let filters: Vec<Value> = outcomes
         .iter()
         .map(|outcome| {
@@ -174,6 +194,7 @@ pub fn scene_json(stage: &Stage, outcomes: &[Outcome]) -> Value {
                 .collect();
             json!({ "filter": outcome.filter.name(), "metrics": metrics, "planes": planes })
         })
+        .chain(in_floats)
         .collect();
     json!({
         "scene": stage.scene,
