@@ -2,7 +2,7 @@
 
 use texunit::{
     experiment::verify::SplitMix,
-    machine::Machine,
+    machine::Texture,
     pyramid::{PlaneImage, Pyramid},
     reference::Reference,
     texture_memory::TextureMemory,
@@ -23,8 +23,9 @@ fn sampler(mode: AddressMode) -> Sampler {
     Sampler { filter: Filter::Sat, address: [mode; 2], ..Sampler::default() }
 }
 
-fn memory(pyramid: &Pyramid, layout: Layout) -> TextureMemory {
-    TextureMemory::new(pyramid, layout, Format::Rgba8).unwrap()
+fn memory(pyramid: &Pyramid, layout: Layout, format: Format) -> TextureMemory {
+    let texture = Texture { layout, format, ..Texture::default() };
+    texture.hold(PyramidKind::Sat, &pyramid.planes[0].clone().into()).unwrap().memory
 }
 
 /// A box of `size` texels (of `of`) around a place in turns.
@@ -72,7 +73,7 @@ fn every_box_is_the_mean_of_its_texels_in_every_mode_and_shape() {
                     }
                 })
                 .collect();
-            let memory = memory(&pyramid, Layout::default());
+            let memory = memory(&pyramid, Layout::default(), Format::Rgba8);
             let (responses, reads) = run(&sampler, &memory, &requests);
             for ((request, response), reads) in requests.iter().zip(responses).zip(reads) {
                 assert_eq!(response, reference.sample(request), "{width} x {height} {mode:?} {request:?}");
@@ -85,7 +86,7 @@ fn every_box_is_the_mean_of_its_texels_in_every_mode_and_shape() {
 #[test]
 fn a_box_inside_takes_four_reads_at_its_corners() {
     let pyramid = noise(16, 16);
-    let memory = memory(&pyramid, Layout::RowMajor);
+    let memory = memory(&pyramid, Layout::RowMajor, Format::Rgba8);
     // Texels 4..8 by 6..10: corners are the entries before the first and at the last texel.
     let inside = request([6.0 / 16.0, 0.5], [4.0, 4.0], [16.0, 16.0]);
     for mode in MODES {
@@ -98,7 +99,7 @@ fn a_box_inside_takes_four_reads_at_its_corners() {
 #[test]
 fn borders_cost_reads_and_position_zero_saves_them() {
     let pyramid = noise(16, 16);
-    let memory = memory(&pyramid, Layout::default());
+    let memory = memory(&pyramid, Layout::default(), Format::Rgba8);
     let around_origin = request([0.0, 0.0], [4.0, 4.0], [16.0, 16.0]);
     let at_origin = request([2.0 / 16.0, 2.0 / 16.0], [4.0, 4.0], [16.0, 16.0]);
     let far_away = request([5.5, 0.5], [4.0, 4.0], [16.0, 16.0]);
@@ -119,7 +120,7 @@ fn borders_cost_reads_and_position_zero_saves_them() {
 #[test]
 fn only_differences_of_the_table_count_so_it_may_wrap_around() {
     let pyramid = noise(16, 16);
-    let mut memory = memory(&pyramid, Layout::default());
+    let mut memory = memory(&pyramid, Layout::default(), Format::Rgba8);
     let inside = request([0.5, 0.4], [5.0, 3.0], [16.0, 16.0]);
     let sampler = sampler(AddressMode::Clamp);
     let (before, _) = run(&sampler, &memory, &[inside]);
@@ -133,9 +134,10 @@ fn only_differences_of_the_table_count_so_it_may_wrap_around() {
 
 #[test]
 fn a_table_takes_four_times_the_memory_of_its_texture_whatever_the_format() {
-    let machine = Machine::load("herf-12.20", &[]).unwrap();
     let pyramid = noise(16, 16);
-    let table = TextureMemory::new(&pyramid, Layout::RowMajor, machine.texture.format).unwrap();
-    assert_eq!(table.surface.bytes, 16 * 16 * 16);
-    assert_eq!(table.surface.bytes_per_read(), 16);
+    for format in [Format::Rgba8, Format::L8, Format::Bc1] {
+        let table = memory(&pyramid, Layout::RowMajor, format);
+        assert_eq!(table.surface.bytes, 16 * 16 * 16);
+        assert_eq!(table.surface.bytes_per_read(), 16);
+    }
 }

@@ -109,7 +109,7 @@ fn measured(stage: &Stage, machine: &Machine, row: &Published, repeats: u8) -> R
         "worst",
     ]);
     let filters: Vec<Filter> = COLUMNS.iter().map(|(_, filter, ..)| *filter).collect();
-    let pyramids = Pyramids::for_filters(machine, &stage.top, &filters)?;
+    let pyramids = Pyramids::for_filters(machine, &stage.texture, &filters)?;
     let mut of_mipmap = None;
     for (name, filter, rule, column) in COLUMNS {
         let mut machine = machine.clone();

@@ -161,7 +161,12 @@ fn lock(folder: &Path) -> Result<File> {
     }
 }
 
-fn print_scene(out: &mut dyn Write, stage: &Stage, outcomes: &[Outcome], floats: &[FloatOutcome]) -> std::io::Result<()> {
+fn print_scene(
+    out: &mut dyn Write,
+    stage: &Stage,
+    outcomes: &[Outcome],
+    floats: &[FloatOutcome],
+) -> std::io::Result<()> {
     let coverage = &stage.coverage;
     let behind =
         if coverage.behind > 0 { format!(", {} behind the eye and left out", coverage.behind) } else { String::new() };

@@ -13,7 +13,7 @@ use crate::{
     machine::Machine,
     pyramid::PlaneImage,
     scene::{Fragment, Gradient},
-    texture_memory::TextureMemory,
+    texture_memory::Held,
 };
 
 /// Side of the textures, texels.
@@ -54,8 +54,8 @@ pub fn residue(machine: &Machine, filter: Filter, scale: f64) -> Result<Residue>
 
 /// How far each answer is from the middle grey.
 fn deviations(machine: &Machine, filter: Filter, scale: f64, texels: Vec<[u8; 4]>) -> Result<Vec<f64>> {
-    let pyramid = machine.texture.pyramid.pyramid(filter.pyramid(), &PlaneImage::top(SIDE, SIDE, texels))?;
-    let memory = TextureMemory::new(&pyramid, machine.texture.layout, machine.texture.format)?;
+    let texture = PlaneImage::top(SIDE, SIDE, texels).into();
+    let Held { memory, .. } = machine.texture.hold(filter.pyramid(), &texture)?;
     let address = [AddressMode::Wrap; 2];
     let front_end =
         FrontEnd { filter, address, norm: machine.lod.norm, rule: machine.lod.dipmap_rule, size: [SIDE; 2] };

@@ -14,6 +14,7 @@ pub fn pyramid(
     let halvings: Vec<(u8, u8)> = match kind {
         PyramidKind::Mipmap => (0..=last_u.max(last_v)).map(|l| (l.min(last_u), l.min(last_v))).collect(),
         PyramidKind::Dipmap => (0..=last_u).map(|lu| (lu, 0)).chain((1..=last_v).map(|lv| (0, lv))).collect(),
+        PyramidKind::Sat => vec![(0, 0)],
         PyramidKind::Ripmap => (0..=last_v).flat_map(|lv| (0..=last_u).map(move |lu| (lu, lv))).collect(),
     };
     let planes = halvings
