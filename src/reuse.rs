@@ -167,8 +167,8 @@ impl Watch {
         }
         row.across_levels += u64::from(known.finer != finer);
         (known.frame, known.finer) = (now, finer);
-        for at in 0..TILES.len() {
-            let tile = u32::from(pixel[1] / TILES[at]) * self.columns[at] + u32::from(pixel[0] / TILES[at]);
+        for (at, &side) in TILES.iter().enumerate() {
+            let tile = u32::from(pixel[1] / side) * self.columns[at] + u32::from(pixel[0] / side);
             if known.last_tile[at] != tile {
                 known.last_tile[at] = tile;
                 self.tile_lines[at][tile as usize] += u64::from(self.met[at].insert((tile, number)));

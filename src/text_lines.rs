@@ -15,9 +15,9 @@ const LINE_BYTES_MAX: u64 = 1 << 16;
 /// ```
 /// use texunit::text_lines::TextLines;
 /// let mut lines = TextLines::new("notes.txt", "one\r\ntwo".as_bytes());
-/// assert!(lines.next()? && lines.text() == "one" && lines.next()?);
+/// assert!(lines.advance()? && lines.text() == "one" && lines.advance()?);
 /// assert_eq!((lines.text(), lines.number()), ("two", 2));
-/// assert!(!lines.next()?);
+/// assert!(!lines.advance()?);
 /// assert_eq!(lines.error("ends too early", "add more").to_string(), "notes.txt: line 2: ends too early\n  help: add more");
 /// # Ok::<(), texunit::error::Error>(())
 /// ```
@@ -39,7 +39,7 @@ impl<R: BufRead> TextLines<R> {
     ///
     /// # Errors
     /// What cannot be read, what is not UTF-8, a line without end.
-    pub fn next(&mut self) -> Result<bool> {
+    pub fn advance(&mut self) -> Result<bool> {
         let mut bytes = std::mem::take(&mut self.text).into_bytes();
         bytes.clear();
         let read = self.source.by_ref().take(LINE_BYTES_MAX).read_until(b'\n', &mut bytes);

@@ -15,8 +15,8 @@ fn requests(rows: i64) -> Vec<Request> {
     for y in 1080 - rows..1080 {
         let d = 2 * y + 17; // twice the distance below the horizon
         for x in 0..1920i64 {
-            let u = ((2 * x - 1919) * 960 << 10) / d;
-            let v = (2 * 960 * 960 << 10) / d;
+            let u = (((2 * x - 1919) * 960) << 10) / d;
+            let v = ((2 * 960 * 960) << 10) / d;
             // Texels a pixel: along x, or along y, where they are more.
             let per_pixel = (2 * 960 / d).max(4 * 960 * 960 / (d * d)).max(1);
             let scale = (127 + u32::try_from(per_pixel * per_pixel).unwrap().ilog2()) << 23;

@@ -299,7 +299,7 @@ struct Rows {
 impl Rows {
     fn new(path: &Path, input: Box<dyn BufRead>) -> Result<Self> {
         let mut lines = TextLines::new(path, input);
-        lines.next()?;
+        lines.advance()?;
         let names: Vec<&str> = fields(lines.text().trim_start_matches('\u{FEFF}')).collect();
         // Every column once, and no other.
         let values = |columns: &[&str]| -> Option<Vec<usize>> {
@@ -323,7 +323,7 @@ impl Rows {
     /// Replaces `block` with the next rows; empty at the end.
     fn block(&mut self, block: &mut Vec<Row>) -> Result<()> {
         block.clear();
-        while block.len() < BLOCK && self.lines.next()? {
+        while block.len() < BLOCK && self.lines.advance()? {
             if !self.lines.text().is_empty() {
                 block.push(self.row().map_err(|problem| {
                     self.lines.error(problem, "give one number for each column of the first line")

@@ -116,6 +116,7 @@ pub struct Ideal<'a> {
 }
 
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "one of them a sampler; a box would cost every sample a load")]
 enum Model<'a> {
     Taps(Program<'a>),
     SummedArea(Sat<'a>),

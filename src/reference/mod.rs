@@ -57,6 +57,7 @@ pub struct Reference<'a> {
 }
 
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "one of them a sampler; a box would cost every sample a load")]
 enum Model<'a> {
     Taps(Program<'a>),
     SummedArea(Sat<'a>),

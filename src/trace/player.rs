@@ -74,7 +74,7 @@ impl Player {
 
     fn unit(&self) -> Result<Unit<'_>> {
         Unit::new(&self.sampler, &self.held.memory.surface, &self.held.memory.bytes)
-            .map_err(|error| Error::setting("machine", &error, "it cannot be built", "see texunit explain"))
+            .map_err(|error| Error::setting("machine", error, "it cannot be built", "see texunit explain"))
     }
 
     /// What the chip answers, from an empty cache.

@@ -52,7 +52,7 @@ impl Trace {
     pub fn parse(path: impl Into<PathBuf>, source: impl BufRead) -> Result<Self> {
         let mut lines = TextLines::new(path, source);
         let mut head = Head::begin(&mut lines)?;
-        while lines.next()? {
+        while lines.advance()? {
             if let Some(comment) = lines.text().strip_prefix("//") {
                 head.line(&lines, comment)?;
             } else if !lines.text().trim().is_empty() {
@@ -80,7 +80,7 @@ impl Trace {
                 trace.records.push(Record::parse(line).map_err(|problem| lines.error(problem, RECORD_AGAIN))?);
                 trace.lines.push(lines.number());
             }
-            more = lines.next()?;
+            more = lines.advance()?;
         }
         if (trace.records.len() as u64) < count {
             let problem = format!("the trace ends after {} of {count} records", trace.records.len());
@@ -104,7 +104,7 @@ struct Head {
 impl Head {
     /// Reads the first line.
     fn begin<R: BufRead>(lines: &mut TextLines<R>) -> Result<Self> {
-        lines.next()?;
+        lines.advance()?;
         let version = lines.text().strip_prefix(FIRST_WORDS).and_then(|rest| rest.trim().parse::<u32>().ok());
         let source = format!("{}\n", lines.text());
         let masked = format!("{}\n", " ".repeat(lines.text().len()));
