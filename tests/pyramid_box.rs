@@ -65,6 +65,7 @@ fn plane_above(kind: PyramidKind, pyramid: &Pyramid, number: usize) -> &PlaneIma
         PyramidKind::Dipmap => pyramid.plane(0, lv - 1).unwrap(),
         PyramidKind::Ripmap if lu > 0 => pyramid.plane(lu - 1, lv).unwrap(),
         PyramidKind::Ripmap => pyramid.plane(0, lv - 1).unwrap(),
+        PyramidKind::Sat => panic!("a summed-area table has one plane, made from none"),
     }
 }
 

@@ -140,7 +140,8 @@ fn levels_a_file_has_not_are_made_from_its_largest() {
 #[test]
 fn every_element_of_a_ktx2_file_reads_as_its_format_says() {
     let folder = tempfile::tempdir().unwrap();
-    let cases: [(Vulkan, Option<&str>, Vec<u8>, [u8; 4]); 12] = [
+    type Case = (Vulkan, Option<&'static str>, Vec<u8>, [u8; 4]);
+    let cases: [Case; 12] = [
         (Vulkan::R8G8B8A8_SRGB, None, vec![1, 2, 3, 4], [1, 2, 3, 4]),
         (Vulkan::R8G8B8A8_UNORM, Some("rgb1"), vec![1, 2, 3, 4], [1, 2, 3, 255]),
         (Vulkan::B8G8R8A8_UNORM, Some("rgba"), vec![1, 2, 3, 4], [3, 2, 1, 4]),

@@ -103,9 +103,14 @@ fn run_section(number: usize, results: &Results, run: &Value, scene: &Value) -> 
             }
             div.gallery {
                 @for (image, id, data) in &images {
-                    figure { img id=(id) src=(data) alt={ (name) ", " (image) }; figcaption { (image) } }
-                    @if let Some(difference) = results.image(&name, &format!("{image}-difference.png")) {
-                        figure { img src=(difference) alt={ (name) ", difference of " (image) " from the truth" }; figcaption { (image) " minus truth, around grey" } }
+                    div.pair {
+                        figure { img id=(id) src=(data) alt={ (name) ", " (image) }; figcaption { (image) } }
+                        @if let Some(difference) = results.image(&name, &format!("{image}-difference.png")) {
+                            figure {
+                                img src=(difference) alt={ (name) ", difference of " (image) " from the truth" };
+                                figcaption { (image) " minus truth, around grey" }
+                            }
+                        }
                     }
                 }
             }
@@ -187,7 +192,7 @@ fn stall_bars(scene: &Value) -> Markup {
                 }
             }
             p.key { @for (place, (name, _)) in rows[0].1.iter().enumerate() { span { i class={ "c" (place % 7) } {} (name) } } }
-            figcaption { "Clocks stalled, by cause; the longest bar is " (format!("{most:.0}")) "." }
+            figcaption { "Clocks stalled a pixel, by cause; the longest bar is " (format!("{most:.2}")) "." }
         }
     }
 }
@@ -224,7 +229,7 @@ fn pareto_section(results: &Results, pareto: &Value, scene: &Value) -> Markup {
         }
         figure {
             div.wide { table {
-                thead { tr { th { "filter" } th { "settings" } th { (cost) } th { (error) } } }
+                thead { tr { th { "filter" } th.text { "settings" } th { (cost) } th { (error) } } }
                 tbody { @for candidate in &front { tr {
                     td { (candidate["filter"].as_str().unwrap_or_default()) }
                     td.text { (candidate["settings"].as_array().into_iter().flatten().filter_map(Value::as_str).collect::<Vec<_>>().join(" ")) }
