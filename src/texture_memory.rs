@@ -116,6 +116,12 @@ impl TextureMemory {
         Ok(Self { surface, bytes, compressed: None })
     }
 
+    /// Whether a decompressor stands between memory and cache.
+    #[must_use]
+    pub const fn is_decompressed(&self) -> bool {
+        self.compressed.is_some()
+    }
+
     /// Bytes of memory the planes take, padding included.
     #[must_use]
     pub fn stored_bytes(&self) -> u64 {

@@ -158,14 +158,12 @@ pub fn time_requests<O: TimingObserver>(
     let mut unit = Unit::new(sampler, surface, &memory.bytes).map_err(|error| wrong(error.to_string()))?;
     let texels = if filter == Filter::Point { 1 } else { 4 };
     let cache = cache(machine, surface.bytes_per_read())?;
-    let mut timing = Timing::new(
-        &machine.timing.parameters(),
-        &machine.memory.parameters(),
-        cache,
-        texels * surface.reads_per_texel(),
-        observer,
-    )
-    .map_err(|error| wrong(error.to_string()))?;
+    // An entry of a summed-area table or a block is read whole: its banks are as wide as it is (docs/timing.md).
+    let mut parameters = machine.timing.parameters();
+    parameters.data_bank_bytes = parameters.data_bank_bytes.max(surface.bytes_per_read().next_power_of_two());
+    let mut timing =
+        Timing::new(&parameters, &machine.memory.parameters(), cache, texels * surface.reads_per_texel(), observer)
+            .map_err(|error| wrong(error.to_string()))?;
     let mut epochs = Vec::new();
     for requests in requests.chunks(epoch.unwrap_or(usize::MAX).max(1)) {
         unit.addresses(requests, &mut timing);

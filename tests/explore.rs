@@ -93,6 +93,7 @@ fn frames_of_a_path_that_stands_still_share_every_line_and_do_not_flicker() {
     let still = texunit(folder.path(), &["scenes", "--show", "walk"])
         .replace("translation = [0.0, -1.2, -5.6]", "translation = [0.0, -1.2, -6.0]")
         .replace("-80.0, 0.0, 27.0", "-80.0, 0.0, 25.0")
+        .replace("name = \"walk\"", "name = \"still\"")
         .replace("frames = 16", "frames = 3");
     fs::write(folder.path().join("still.toml"), still).unwrap();
     let size = ["--size", "32x24", "-f", "trilinear"];
@@ -138,7 +139,8 @@ fn the_truth_itself_is_perfectly_similar_and_its_mean_is_all_blur() {
         truths.map(|truth| Response { texel: texel(truth), ..Response::default() }).collect()
     };
     let exact = ImageQuality::of(&stage, &answers(&|truth| truth.map(|channel| (channel + 0.5) as u8)));
-    assert!(exact.ssim.unwrap() > 0.9999, "{exact:?}");
+    // Rounding to 8 bits adds a variance of 1/12, beside the formula's constant (0.03 * 255)^2 = 58.5.
+    assert!(exact.ssim.unwrap() > 1.0 - 1.0 / 12.0 / 58.5, "{exact:?}");
     assert!(exact.alias_energy < 1.0 && exact.blur_energy < 1.0, "{exact:?}");
     let grey = ImageQuality::of(&stage, &answers(&|_| [128; 4]));
     assert_eq!(grey.alias_energy, 0.0);

@@ -33,8 +33,10 @@ fn every_built_in_scene_loads_under_its_own_name_and_covers_pixels() {
         assert_eq!(scene.name, name);
         assert!(!scene.description.is_empty() && !scene.description.contains('\n'));
         let coverage = scene.coverage();
-        assert_eq!(coverage.pixels, 640 * 480);
-        assert!(coverage.covered > 40_000, "{name}: {coverage:?}");
+        // Scenes of many frames are smaller.
+        let pixels = if scene.path.is_some() { 320 * 240 } else { 640 * 480 };
+        assert_eq!(coverage.pixels, pixels);
+        assert!(coverage.covered > pixels / 8, "{name}: {coverage:?}");
         assert_eq!(<[u32; 2]>::from(scene.texture.image().dimensions()), scene.texture.size());
     }
 }

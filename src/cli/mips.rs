@@ -18,13 +18,21 @@ use crate::{
     texture_file,
 };
 
+/// A summed-area table has no planes to look at.
+fn pyramid_of_planes(name: &str) -> std::result::Result<PyramidKind, String> {
+    PyramidKind::from_name(name)
+        .ok()
+        .filter(|kind| *kind != PyramidKind::Sat)
+        .ok_or_else(|| format!("no pyramid of planes is named `{name}`: use mipmap, dipmap, ripmap"))
+}
+
 /// Make the planes of a pyramid and write each as PNG and as raw bytes in a texel format
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The texture: PNG, JPEG, BMP, TGA, PNM or GIF, or level 0 of a KTX2 or DDS file
     image: PathBuf,
     /// Which planes: mipmap, dipmap or ripmap
-    #[arg(long, default_value = "mipmap", value_parser = PyramidKind::from_name)]
+    #[arg(long, default_value = "mipmap", value_parser = pyramid_of_planes)]
     pyramid: PyramidKind,
     /// Folder for plane_LU_LV.png, plane_LU_LV.FORMAT and planes.json
     #[arg(short, long, value_name = "DIR")]

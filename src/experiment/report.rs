@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use texunit_hw::cache::Counters;
 
 use super::{Deviation, FloatOutcome, Outcome, Stage};
-use crate::{machine::Machine, names::Named};
+use crate::{machine::Machine, names::Named, timed_run::Timed};
 
 /// Version of the shape of report.json; it grows when a field changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;
@@ -90,7 +90,7 @@ pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
     metrics
         .extend(deviation_metrics(["rmse_ideal", "psnr_ideal", "worst_ideal", "mean_ideal"], &outcome.against_ideal));
     metrics.extend(outcome.quality.metrics());
-    metrics.extend(outcome.timed.metrics());
+    metrics.extend(outcome.timed.iter().flat_map(Timed::metrics));
     metrics
 }
 
