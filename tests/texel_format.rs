@@ -1,4 +1,5 @@
 //! Every texel format: what its codes mean, what is asked and fetched, and that the chip reads what the reference reads.
+#![allow(clippy::unusual_byte_groupings, reason = "digits are grouped as the fields of a texel are")]
 
 use proptest::prelude::*;
 use texunit::{

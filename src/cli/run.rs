@@ -14,14 +14,14 @@ use texunit_hw::Filter;
 use super::{STOP, progress_bar, stop_on_ctrl_c};
 use crate::{
     error::{Error, Result},
-    experiment::{Bench, FloatOutcome, Outcome, Pyramids, Stage, ewa, report},
+    experiment::{Bench, FloatOutcome, Outcome, Pyramids, Stage, compared_stride, ewa, report},
     machine::Machine,
     names::{AnyFilter, Named},
     output::{create_folder, print, write_whole},
     scene::Scene,
 };
 
-/// Render scenes through the texture unit, prove every pixel against the reference, and count the traffic.
+/// Render scenes through the texture unit, prove their pixels against the reference, and count the traffic.
 ///
 /// Writes report.json, report.csv, and for every scene and filter the image and its difference from the ground truth.
 /// Exit status: 0 good, 1 a pixel differs from the reference, 2 bad use.
@@ -182,6 +182,10 @@ fn print_scene(
     )?;
     writeln!(out, "{}", report::table(outcomes, floats))?;
     for outcome in outcomes {
+        let stride = compared_stride(outcome.filter);
+        if stride > 1 {
+            writeln!(out, "{}: compared with the reference at one pixel in {stride}", outcome.filter.name())?;
+        }
         if outcome.undefined > 0 {
             writeln!(out, "{}: {} coordinates without a place", outcome.filter.name(), outcome.undefined)?;
         }
