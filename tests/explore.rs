@@ -144,7 +144,9 @@ fn the_truth_itself_is_perfectly_similar_and_its_mean_is_all_blur() {
     assert!(exact.alias_energy < 1.0 && exact.blur_energy < 1.0, "{exact:?}");
     let grey = ImageQuality::of(&stage, &answers(&|_| [128; 4]));
     assert_eq!(grey.alias_energy, 0.0);
-    assert!(grey.blur_energy > 100.0 && grey.ssim.unwrap() < 0.5, "{grey:?}");
+    // How much there is to blur is the scene's: far more than rounding takes away, and less alike by far.
+    assert!(grey.blur_energy > 10.0 * exact.blur_energy, "{grey:?} {exact:?}");
+    assert!(1.0 - grey.ssim.unwrap() > 10.0 * (1.0 - exact.ssim.unwrap()), "{grey:?} {exact:?}");
     let harsh = ImageQuality::of(&stage, &answers(&|truth| [if truth[0] > 127.0 { 255 } else { 0 }; 4]));
     assert!(harsh.alias_energy > harsh.blur_energy, "{harsh:?}");
 }
