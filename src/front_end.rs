@@ -3,6 +3,8 @@
 use texunit_hw::{AddressMode, Filter, I12F20, Request, coordinate::from_f64_bits};
 
 use crate::{
+    lod_rules::polygon::{LevelPer, SeenArea},
+    machine::Machine,
     reference::{footprint::Footprint, ideal::Detail},
     scene::{AxisRule, Fragment, Gradient, Norm},
 };
@@ -20,6 +22,8 @@ pub struct FrontEnd {
     pub rule: AxisRule,
     /// Texels of level 0.
     pub size: [u32; 2],
+    /// The level of all pixels, where they share one.
+    pub polygon_level: Option<u8>,
 }
 
 /// A coordinate pair in 12.20, and how many of the two had no defined place.
@@ -35,6 +39,22 @@ fn to_fixed_vector(component: f64) -> I12F20 {
 }
 
 impl FrontEnd {
+    /// That of a machine, for pixels with a level each.
+    #[must_use]
+    pub fn new(machine: &Machine, filter: Filter, address: [AddressMode; 2], size: [u32; 2]) -> Self {
+        let (norm, rule) = (machine.lod.norm, machine.lod.dipmap_rule);
+        Self { filter, address, norm, rule, size, polygon_level: None }
+    }
+
+    /// The same where the pixels are those of one shape: they share a level if the machine says so.
+    #[must_use]
+    pub fn of_shape(self, machine: &Machine, look: impl FnOnce(&mut SeenArea)) -> Self {
+        let LevelPer::Polygon(rule) = machine.lod.per else { return self };
+        let mut seen = SeenArea::of_texture(self.size);
+        look(&mut seen);
+        Self { polygon_level: Some(seen.level(rule)), ..self }
+    }
+
     /// The request of a fragment, and how many of its coordinates had no defined place.
     #[must_use]
     pub fn request(&self, fragment: &Fragment) -> (Request, u64) {
@@ -46,6 +66,9 @@ impl FrontEnd {
             request.axes = [[ux, vx], [uy, vy]].map(|vector| vector.map(to_fixed_vector));
         } else if self.filter.is_anisotropic() {
             (request.scale, request.axes) = self.footprint(fragment.gradient, texels);
+        } else if let Some(level) = self.polygon_level {
+            // Scales are squared ratios: 4 to the level.
+            request.scale = [(f32::powi(4.0, level.into())).to_bits(); 2];
         } else if self.filter.level_per_axis() {
             request.scale = self.rule.squared_ratios(texels).map(f32::to_bits);
         } else if self.filter.uses_level() {

@@ -11,6 +11,7 @@ use crate::{
     annotated,
     energy::EnergyTable,
     error::{Error, Result},
+    lod_rules::polygon::LevelPer,
     names::{Named, by_name},
     pyramid::Build,
     scene::{AxisRule, Norm},
@@ -66,6 +67,8 @@ pub struct Lod {
     /// Which measure goes to which axis of a Dipmap.
     #[serde(with = "by_name")]
     pub dipmap_rule: AxisRule,
+    /// Whether each pixel has a level or the whole shape.
+    pub per: LevelPer,
 }
 
 /// See docs/numerics.md, sections 3 and 6.
@@ -128,6 +131,7 @@ impl Default for Lod {
             rounding: LevelRounding::Nearest,
             norm: Norm::default(),
             dipmap_rule: AxisRule::default(),
+            per: LevelPer::default(),
         }
     }
 }

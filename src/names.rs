@@ -6,6 +6,7 @@ use texunit_hw::{AddressMode, Filter, Format, Layout, LevelRounding, LodSource, 
 
 use crate::timing_settings::MemoryKind;
 
+use crate::lod_rules::polygon::{LevelPer, PolygonRule};
 use crate::pyramid::{From as PlanesFrom, Kernel, PlaneRounding};
 use crate::scene::{AxisRule, GradientMethod, MatrixStepping, Norm, Pattern, PixelOrder};
 use crate::texture_memory::Decompress;
@@ -155,10 +156,14 @@ macro_rules! names_of_ours {
 names_of_ours! {
     Norm, "LOD norm" {
         "heckbert" => Self::Heckbert, "herf" => Self::Herf, "max" => Self::Max, "area" => Self::Area,
-        "sigma1" => Self::Sigma1,
+        "sigma1" => Self::Sigma1, "min" => Self::Min,
     }
     AxisRule, "axis rule" {
         "texture-axes" => Self::TextureAxes, "paper-step3" => Self::PaperStep3, "paper-2a" => Self::Paper2a,
+    }
+    LevelPer, "owner of a level" {
+        "pixel" => Self::Pixel, "polygon-herf-printed" => Self::Polygon(PolygonRule::HerfPrinted),
+        "polygon-herf" => Self::Polygon(PolygonRule::Herf), "polygon-flavell" => Self::Polygon(PolygonRule::Flavell),
     }
     GradientMethod, "gradient method" {
         "analytic" => Self::Analytic, "forward" => Self::Forward, "quad" => Self::Quad,

@@ -118,13 +118,8 @@ impl<'s> TimedBench<'s> {
 
     fn requests(&self, filter: Filter) -> (Sampler, Vec<Request>) {
         let address = self.scene.texture.wrap;
-        let front_end = FrontEnd {
-            filter,
-            address,
-            norm: self.machine.lod.norm,
-            rule: self.machine.lod.dipmap_rule,
-            size: self.size,
-        };
+        let front_end = FrontEnd::new(self.machine, filter, address, self.size)
+            .of_shape(self.machine, |seen| seen.add(&self.fragments));
         let sampler = self.machine.sampler(filter, address, LodSource::Gradient);
         (sampler, front_end.requests(&self.fragments).0)
     }

@@ -4,7 +4,8 @@ use proptest::prelude::*;
 use texunit::{
     front_end::FrontEnd,
     reference::{footprint::Footprint, front_end::vector_to_fixed},
-    scene::{AxisRule, Fragment, Gradient, Norm},
+    machine::Machine,
+    scene::{Fragment, Gradient},
 };
 use texunit_hw::{AddressMode::Wrap, Filter, Request};
 
@@ -17,7 +18,7 @@ fn steps(x: [f64; 2], y: [f64; 2]) -> Gradient {
 
 fn request(filter: Filter, gradient: Gradient) -> Request {
     let front_end =
-        FrontEnd { filter, address: [Wrap; 2], norm: Norm::default(), rule: AxisRule::default(), size: [64, 32] };
+        FrontEnd::new(&Machine::default(), filter, [Wrap; 2], [64, 32]);
     front_end.request(&Fragment { x: 3, y: 4, u: 0.0, v: 0.0, gradient }).0
 }
 

@@ -3,9 +3,9 @@
 
 use texunit::{
     front_end::FrontEnd,
-    machine::Texture,
+    machine::{Machine, Texture},
     pyramid::{PlaneImage, Pyramid},
-    scene::{AxisRule, Fragment, Gradient, Norm},
+    scene::{Fragment, Gradient},
     texture_memory::{Held, TextureMemory},
 };
 use texunit_hw::{AddressMode, Filter, Request};
@@ -77,13 +77,7 @@ impl Case {
         let top = PlaneImage::top(SIDE, SIDE, texels);
         let Held { pyramid, memory } =
             Texture::default().hold(filter.pyramid(), &top.into()).expect("RGBA8 in 4 x 4 tiles");
-        let front_end = FrontEnd {
-            filter,
-            address: [AddressMode::Wrap; 2],
-            norm: Norm::Heckbert,
-            rule: AxisRule::TextureAxes,
-            size: [SIDE; 2],
-        };
+        let front_end = FrontEnd::new(&Machine::default(), filter, [AddressMode::Wrap; 2], [SIDE; 2]);
         let scale = 1.0 / f64::from(SIDE);
         let fragments: Vec<Fragment> = rows
             .flat_map(|y| (0..WIDTH).map(move |x| (x, y)))

@@ -233,13 +233,7 @@ impl Session<'_> {
     }
 
     fn front_end(&self) -> FrontEnd {
-        FrontEnd {
-            filter: self.filter,
-            address: self.address,
-            norm: self.machine.lod.norm,
-            rule: self.machine.lod.dipmap_rule,
-            size: [self.pyramid.width, self.pyramid.height],
-        }
+        FrontEnd::new(&self.machine, self.filter, self.address, [self.pyramid.width, self.pyramid.height])
     }
 
     fn request(&self, row: &Row) -> (Request, u64) {

@@ -38,8 +38,9 @@ impl AddressBench {
         // Addresses do not depend on texels: memory that is never written takes no room.
         let bytes = vec![0; usize::try_from(surface.bytes).map_err(|_| wrong(format!("{} bytes", surface.bytes)))?];
         let address = scene.texture.wrap;
-        let (norm, rule) = (machine.lod.norm, machine.lod.dipmap_rule);
-        let front_end = FrontEnd { filter, address, norm, rule, size: [width, height] };
+        let front_end = FrontEnd::new(machine, filter, address, [width, height]).of_shape(machine, |seen| {
+            scene.for_each_block(|fragments| seen.add(fragments));
+        });
         let bench = Self { surface, bytes, sampler: machine.sampler(filter, address, LodSource::Gradient), front_end };
         bench
             .unit()

@@ -195,13 +195,8 @@ impl<'s> Bench<'s> {
         memory: &'s TextureMemory,
     ) -> Self {
         let address = stage.scene.texture.wrap;
-        let front_end = FrontEnd {
-            filter,
-            address,
-            norm: machine.lod.norm,
-            rule: machine.lod.dipmap_rule,
-            size: [pyramid.width, pyramid.height],
-        };
+        let front_end = FrontEnd::new(machine, filter, address, [pyramid.width, pyramid.height])
+            .of_shape(machine, |seen| seen.add(&stage.fragments));
         let (requests, undefined) = front_end.requests(&stage.fragments);
         let sampler = machine.sampler(filter, address, LodSource::Gradient);
         Self { stage, sampler, pyramid, memory, requests, undefined, front_end }

@@ -245,14 +245,9 @@ fn compare_one(
     sampler.lod_bits = combination.lod_bits;
     let requests: Vec<Request> = match &subject.stream {
         Stream::Scene(fragments) => {
-            let front_end = FrontEnd {
-                filter: combination.filter,
-                address: combination.address,
-                norm: machine.lod.norm,
-                rule: machine.lod.dipmap_rule,
-                size: [stored.width, stored.height],
-            };
-            front_end.requests(fragments).0
+            let size = [stored.width, stored.height];
+            let front_end = FrontEnd::new(machine, combination.filter, combination.address, size);
+            front_end.of_shape(machine, |seen| seen.add(fragments)).requests(fragments).0
         }
         Stream::Random { count, seed } => {
             // Explicit levels every second time, with bias and level limits of their own.

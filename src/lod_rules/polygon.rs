@@ -2,6 +2,8 @@
 
 use texunit_hw::lod::ilog2;
 
+use crate::scene::Fragment;
+
 /// Which rule, and as whose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PolygonRule {
@@ -45,4 +47,46 @@ impl PolygonRule {
 pub fn doubled_area(corners: [[f64; 2]; 3]) -> f64 {
     let [p, q] = [1, 2].map(|corner: usize| [0, 1].map(|i| corners[corner][i] - corners[0][i]));
     (p[0] * q[1] - p[1] * q[0]).abs()
+}
+
+/// What a level is selected for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LevelPer {
+    /// Every pixel, from its own gradient.
+    #[default]
+    Pixel,
+    /// The whole shape, from what is seen of it. Filters that look along the footprint of a pixel select none and go on.
+    Polygon(PolygonRule),
+}
+
+/// What is seen of a shape: the texels of level 0 under its pixels, and the pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenArea {
+    size: [u32; 2],
+    texels: f64,
+    pixels: f64,
+}
+
+impl SeenArea {
+    /// Nothing yet, of a texture of `size` texels.
+    #[must_use]
+    pub const fn of_texture(size: [u32; 2]) -> Self {
+        Self { size, texels: 0.0, pixels: 0.0 }
+    }
+
+    /// Adds fragments, each the determinant of its gradient.
+    pub fn add(&mut self, fragments: &[Fragment]) {
+        self.pixels += fragments.len() as f64;
+        self.texels += fragments
+            .iter()
+            .map(|fragment| fragment.gradient.in_texels(self.size))
+            .map(|texels| (texels.ux * texels.vy - texels.uy * texels.vx).abs())
+            .sum::<f64>();
+    }
+
+    /// The level of it all.
+    #[must_use]
+    pub fn level(&self, rule: PolygonRule) -> u8 {
+        rule.level(self.texels, self.pixels, self.size[0].max(self.size[1]).ilog2() as u8)
+    }
 }

@@ -28,11 +28,14 @@ pub enum Norm {
     Area,
     /// The largest singular value: the longest axis of the footprint ellipse.
     Sigma1,
+    /// The smaller of the screen-axis magnitudes of equation 3, Du & Wan's figure 2b: sharp along the minor axis, and aliased
+    /// along the major one, without bound.
+    Min,
 }
 
 impl Norm {
     /// Every norm, in the order of the table of E3.
-    pub const ALL: [Self; 5] = [Self::Heckbert, Self::Herf, Self::Max, Self::Area, Self::Sigma1];
+    pub const ALL: [Self; 6] = [Self::Heckbert, Self::Herf, Self::Max, Self::Area, Self::Sigma1, Self::Min];
 
     /// The squared scaling ratio, (texels of level 0 per pixel)^2, of a gradient already [in texels](Gradient::in_texels).
     #[must_use]
@@ -42,6 +45,10 @@ impl Norm {
             Self::Heckbert => larger(ux * ux + vx * vx, uy * uy + vy * vy),
             Self::Herf => larger(ux * ux + uy * uy, vx * vx + vy * vy),
             Self::Max => larger(larger(ux * ux, uy * uy), larger(vx * vx, vy * vy)),
+            Self::Min => {
+                let [x, y] = [larger(ux * ux, vx * vx), larger(uy * uy, vy * vy)];
+                if x < y || x.is_nan() { x } else { y }
+            }
             Self::Area => (ux * vy - uy * vx).abs(),
             Self::Sigma1 => {
                 // Eigenvalue of J^T J = (A B; B C). A sum of non-negative terms: nothing cancels.

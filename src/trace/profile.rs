@@ -79,12 +79,6 @@ impl Profile {
     /// What makes requests of fragments.
     #[must_use]
     pub fn front_end(&self) -> FrontEnd {
-        FrontEnd {
-            filter: self.filter,
-            address: self.wrap,
-            norm: self.machine.lod.norm,
-            rule: self.machine.lod.dipmap_rule,
-            size: self.texture.size,
-        }
+        FrontEnd::new(&self.machine, self.filter, self.wrap, self.texture.size)
     }
 }

@@ -31,7 +31,9 @@ impl Selection {
         mut visit: impl FnMut(&[Request]) -> Result<()>,
     ) -> Result<()> {
         let covered = if matches!(self, Self::Count(_)) { scene.coverage().covered } else { 0 };
-        let front_end = profile.front_end();
+        let front_end = profile.front_end().of_shape(&profile.machine, |seen| {
+            scene.for_each_block(|fragments| seen.add(fragments));
+        });
         let mut numbers = self.numbers(covered, seed);
         let mut next = numbers.next();
         let mut first = 0;
