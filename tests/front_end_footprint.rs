@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use texunit::{
     front_end::FrontEnd,
-    reference::{footprint::Footprint, front_end::vector_to_fixed},
     machine::Machine,
+    reference::{footprint::Footprint, front_end::vector_to_fixed},
     scene::{Fragment, Gradient},
 };
 use texunit_hw::{AddressMode::Wrap, Filter, Request};
@@ -17,8 +17,7 @@ fn steps(x: [f64; 2], y: [f64; 2]) -> Gradient {
 }
 
 fn request(filter: Filter, gradient: Gradient) -> Request {
-    let front_end =
-        FrontEnd::new(&Machine::default(), filter, [Wrap; 2], [64, 32]);
+    let front_end = FrontEnd::new(&Machine::default(), filter, [Wrap; 2], [64, 32]);
     front_end.request(&Fragment { x: 3, y: 4, u: 0.0, v: 0.0, gradient }).0
 }
 

@@ -1,14 +1,16 @@
 //! The rules that choose a level against the numbers of E4, E15, E27 and those published of the log2 units.
 
 use texunit::{
+    front_end::FrontEnd,
     lod_rules::{
         edge::EdgeCompression,
         ladder,
         polygon::{PolygonRule, doubled_area},
     },
-    scene::{Norm, Scene, Surface},
+    machine::Machine,
+    scene::{Fragment, Gradient, Norm, Scene, Surface},
 };
-use texunit_hw::Log2;
+use texunit_hw::{AddressMode, Filter, Log2};
 
 /// Herf's own `lod`, that of a texture of 256: the other way round.
 fn herf_lod(rule: PolygonRule, texels: f64, pixels: f64) -> u8 {
@@ -21,6 +23,27 @@ fn the_draft_takes_an_area_for_a_length_and_the_correction_halves_its_logarithm(
     for (side, printed, corrected) in [(64.0, 4, 6), (32.0, 2, 5), (100.0, 5, 6), (256.0, 8, 8), (1024.0, 8, 8)] {
         let lod = |rule| herf_lod(rule, 256.0 * 256.0, side * side);
         assert_eq!((lod(PolygonRule::HerfPrinted), lod(PolygonRule::Herf)), (printed, corrected), "{side} pixels");
+    }
+}
+
+#[test]
+fn pixels_of_one_shape_share_the_level_of_its_areas() {
+    // 256 texels seen on 64 pixels, but compressed unevenly: 2 and 6 texels a pixel, 16 texels under the mean pixel.
+    let fragments: Vec<Fragment> = (0..64)
+        .map(|x| {
+            let texels = if x % 2 == 0 { (2.0, 2.0) } else { (4.0, 7.0) };
+            let gradient = Gradient { ux: texels.0 / 256.0, vy: texels.1 / 256.0, ..Gradient::default() };
+            Fragment { x, y: 0, u: 0.5, v: 0.5, gradient }
+        })
+        .collect();
+    for (per, level) in [("polygon-herf-printed", 4), ("polygon-herf", 2), ("polygon-flavell", 2)] {
+        let machine = Machine::default().with_settings(&[format!("lod.per={per}")]).unwrap();
+        for filter in [Filter::Trilinear, Filter::Dipmap] {
+            let front_end = FrontEnd::new(&machine, filter, [AddressMode::Wrap; 2], [256; 2]);
+            let (requests, _) = front_end.of_shape(&machine, |seen| seen.add(&fragments)).requests(&fragments);
+            let expected = [4.0_f32.powi(level).to_bits(); 2];
+            assert!(requests.iter().all(|request| request.scale == expected), "{per} {filter:?}");
+        }
     }
 }
 

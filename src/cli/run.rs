@@ -14,7 +14,7 @@ use texunit_hw::Filter;
 use super::{STOP, progress_bar, stop_on_ctrl_c};
 use crate::{
     error::{Error, Result},
-    experiment::{Bench, FloatOutcome, Outcome, Pyramids, Stage, compared_stride, ewa, report},
+    experiment::{Bench, FloatOutcome, Outcome, Pyramids, Stage, ewa, report},
     machine::Machine,
     names::{AnyFilter, Named},
     output::{create_folder, print, write_whole},
@@ -182,10 +182,6 @@ fn print_scene(
     )?;
     writeln!(out, "{}", report::table(outcomes, floats))?;
     for outcome in outcomes {
-        let stride = compared_stride(outcome.filter);
-        if stride > 1 {
-            writeln!(out, "{}: compared with the reference at one pixel in {stride}", outcome.filter.name())?;
-        }
         if outcome.undefined > 0 {
             writeln!(out, "{}: {} coordinates without a place", outcome.filter.name(), outcome.undefined)?;
         }

@@ -57,8 +57,7 @@ fn deviations(machine: &Machine, filter: Filter, scale: f64, texels: Vec<[u8; 4]
     let texture = PlaneImage::top(SIDE, SIDE, texels).into();
     let Held { memory, .. } = machine.texture.hold(filter.pyramid(), &texture)?;
     let address = [AddressMode::Wrap; 2];
-    let front_end =
-        FrontEnd::new(machine, filter, address, [SIDE; 2]);
+    let front_end = FrontEnd::new(machine, filter, address, [SIDE; 2]);
     let step = scale / f64::from(SIDE);
     let gradient = Gradient { ux: step, vy: step, ..Gradient::default() };
     let mut random = SplitMix(2);

@@ -161,13 +161,6 @@ pub struct Mismatch {
     pub reference: Response,
 }
 
-/// One in how many pixels is compared with reference and ideal. Those of the summed-area table add up the texels of a box
-/// one by one, up to millions of them at a horizon: every 32nd is what a run has time for (`texunit verify` compares all).
-#[must_use]
-pub const fn compared_stride(filter: Filter) -> usize {
-    if matches!(filter, Filter::Sat) { 32 } else { 1 }
-}
-
 /// Requests compared at a time by one thread.
 const SLICE: usize = 1 << 13;
 
@@ -284,13 +277,12 @@ impl<'s> Bench<'s> {
     /// A reference that cannot be built.
     pub fn against_reference(&self, responses: &[Response]) -> Result<(u64, Option<Mismatch>)> {
         let reference = Reference::new(self.pyramid, &self.sampler)?;
-        let stride = compared_stride(self.sampler.filter);
         let slices: Vec<(u64, Option<Mismatch>)> = self
             .requests
             .par_chunks(SLICE)
             .zip(responses.par_chunks(SLICE))
             .map(|(requests, responses)| {
-                let mut differing = requests.iter().zip(responses).step_by(stride).filter_map(|(request, hw)| {
+                let mut differing = requests.iter().zip(responses).filter_map(|(request, hw)| {
                     let reference = reference.sample(request);
                     (reference != *hw).then_some(Mismatch { request: *request, hw: *hw, reference })
                 });
@@ -323,7 +315,6 @@ impl<'s> Bench<'s> {
 
     fn against_ideal(&self, responses: &[Response]) -> Result<Deviation> {
         let ideal = Ideal::new(self.pyramid, IdealSampler::from(&self.sampler))?;
-        let stride = compared_stride(self.sampler.filter);
         let slices: Vec<Deviation> = self
             .stage
             .fragments
@@ -331,7 +322,7 @@ impl<'s> Bench<'s> {
             .zip(responses.par_chunks(SLICE))
             .map(|(fragments, responses)| {
                 let mut sum = Deviation::default();
-                for (fragment, response) in fragments.iter().zip(responses).step_by(stride) {
+                for (fragment, response) in fragments.iter().zip(responses) {
                     let answer = ideal.sample([fragment.u, fragment.v], self.front_end.ideal_detail(fragment));
                     sum.add(response.texel.map(f64::from), answer.texel);
                 }

@@ -1,6 +1,7 @@
-//! The summed-area table (docs/numerics.md, section 5.3; Crow 1984), without the table: every texel of the box is added up.
+//! The summed-area table (docs/numerics.md, section 5.3; Crow 1984), without the table: every row of the box is added up.
 //!
-//! Box sums are whole numbers in u64, so nothing here can wrap around, and no rule about table entries is needed.
+//! Box sums are whole numbers in u64, so nothing here can wrap around, and no rule about table entries is needed. A texel that
+//! counts several times, because the box repeats the texture, is multiplied. Each row has its running total, of one row only.
 
 use texunit_hw::{AddressMode, Request, Response, Sampler};
 
@@ -35,6 +36,8 @@ const WIDEST: f64 = 4096.0;
 pub struct Sat<'a> {
     plane: Plane<'a>,
     address: [AddressMode; 2],
+    /// Of each row, one more than texels: the sum of all texels before. A row of 2^20 texels of 255 stays below 2^32.
+    totals: Vec<[u32; 4]>,
 }
 
 impl<'a> Sat<'a> {
@@ -49,7 +52,19 @@ impl<'a> Sat<'a> {
 
     /// The same without widths to check, for [`Self::ideal`].
     pub(super) fn unlimited(pyramid: &'a Pyramid, address: [AddressMode; 2]) -> Result<Self> {
-        Ok(Self { plane: Plane::find(pyramid, 0, 0)?, address })
+        let plane = Plane::find(pyramid, 0, 0)?;
+        let [columns, rows] = plane.size.map(|size| size as usize);
+        let mut totals = Vec::with_capacity((columns + 1) * rows);
+        for j in 0..rows {
+            let mut total = [0; 4];
+            totals.push(total);
+            for i in 0..columns {
+                let texel = plane.texel(Some(i), Some(j));
+                total = [0, 1, 2, 3].map(|channel| total[channel] + u32::from(texel[channel]));
+                totals.push(total);
+            }
+        }
+        Ok(Self { plane, address, totals })
     }
 
     /// The answer to one request.
@@ -67,7 +82,7 @@ impl<'a> Sat<'a> {
             let (first, width) = boxes[axis];
             self.shares((0..width as u32).map(|step| (first + f64::from(step), 1)), axis)
         });
-        let sums = self.sums(&columns, &rows, |channel, times: u64| times * u64::from(channel));
+        let sums = self.sums(&columns, &rows, |total, times: u64| times * u64::from(total));
         let area = (boxes[0].1 * boxes[1].1) as u64;
         Response { texel: sums.map(|sum| ((2 * sum + area) / (2 * area)) as u8), lod: [0; 2] }
     }
@@ -90,7 +105,7 @@ impl<'a> Sat<'a> {
             let indices = (0..=texels).map(move |step| floor(from) + f64::from(step));
             self.shares(indices.map(|texel| (texel, overlap(texel) / width)), axis)
         });
-        self.sums(&columns, &rows, |channel, share: f64| share * f64::from(channel))
+        self.sums(&columns, &rows, |total, share: f64| share * f64::from(total))
     }
 
     /// How much of the box falls on each texel of an axis, by index; what falls outside is on none.
@@ -104,13 +119,20 @@ impl<'a> Sat<'a> {
         shares
     }
 
-    fn sums<T: Number>(&self, columns: &[T], rows: &[T], product: impl Fn(u8, T) -> T) -> [T; 4] {
+    /// Each row's texels by the shares of their columns, a run of equal shares at a time, by the share of the row.
+    fn sums<T: Number>(&self, columns: &[T], rows: &[T], product: impl Fn(u32, T) -> T) -> [T; 4] {
+        let mut begin = 0;
+        let runs = columns.chunk_by(|a, b| a == b).map(|run| {
+            begin += run.len();
+            (begin - run.len()..begin, run[0])
+        });
+        let runs: Vec<_> = runs.filter(|(_, share)| *share != T::default()).collect();
         let mut sums = [T::default(); 4];
-        for (j, &down) in rows.iter().enumerate().filter(|(_, share)| **share != T::default()) {
-            for (i, &across) in columns.iter().enumerate().filter(|(_, share)| **share != T::default()) {
-                let texel = self.plane.texel(Some(i), Some(j));
-                for (sum, channel) in sums.iter_mut().zip(texel) {
-                    *sum += product(channel, across * down);
+        let totals = self.totals.chunks_exact(columns.len() + 1);
+        for (totals, &down) in totals.zip(rows).filter(|(_, share)| **share != T::default()) {
+            for (run, across) in &runs {
+                for (channel, sum) in sums.iter_mut().enumerate() {
+                    *sum += product(totals[run.end][channel] - totals[run.start][channel], *across * down);
                 }
             }
         }
