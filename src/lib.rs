@@ -19,6 +19,7 @@ pub mod reference;
 pub mod report;
 pub mod reuse;
 pub mod scene;
+pub mod stream;
 pub mod sweep;
 pub mod texel_format;
 pub mod text_lines;

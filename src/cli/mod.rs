@@ -14,6 +14,7 @@ mod reuse;
 mod run;
 mod sample;
 mod scenes;
+mod stream;
 mod sweep;
 mod time;
 mod trace;
@@ -41,6 +42,7 @@ struct Cli {
 enum Command {
     Cache(cache::Args),
     Scenes(scenes::Args),
+    Stream(stream::Args),
     Sweep(sweep::Args),
     Drift(drift::Args),
     Explain(explain::Args),
@@ -102,6 +104,7 @@ pub fn main() -> ExitCode {
     let outcome: Result<ExitCode> = match cli.command {
         Command::Cache(args) => cache::run(args),
         Command::Scenes(args) => scenes::run(args),
+        Command::Stream(args) => stream::run(&args),
         Command::Sweep(args) => sweep::run(&args),
         Command::Drift(args) => drift::run(args),
         Command::Explain(args) => explain::run(&args),

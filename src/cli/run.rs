@@ -245,7 +245,7 @@ fn difference(stage: &Stage, texels: impl Iterator<Item = [u8; 4]>) -> RgbaImage
 }
 
 /// Writes a PNG whole or not at all.
-fn write_png(path: &Path, image: &RgbaImage) -> Result<()> {
+pub(super) fn write_png(path: &Path, image: &RgbaImage) -> Result<()> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     image.write_to(&mut bytes, image::ImageFormat::Png).map_err(|error| {
         Error::file(path, "the image", error.to_string(), "report this: it should always be possible")

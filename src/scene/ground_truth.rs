@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use texunit_hw::AddressMode;
 
-use super::{Fragment, GradientMethod, Norm, Scene, Surface, noise::unit_hash, order::Span};
+use super::{Fragment, Gradient, GradientMethod, Norm, Scene, noise::unit_hash, order::Span};
 
 /// The most sub-samples along one axis of a pixel.
 pub const MOST_SAMPLES: u32 = 32;
@@ -45,6 +45,7 @@ impl GroundTruth {
     #[must_use]
     pub fn render(scene: &Scene, texture: &RgbaImage) -> Self {
         let surface = scene.surface();
+        let (uv_at, texel) = (|x, y| surface.uv_at(x, y), |x, y| texture.get_pixel(x, y).0);
         let mut texels = vec![[0.0; 4]; scene.size[0] as usize * scene.size[1] as usize];
         texels.par_chunks_exact_mut(scene.size[0] as usize).zip(0..scene.size[1]).for_each_init(
             Vec::new,
@@ -53,8 +54,14 @@ impl GroundTruth {
                 let span = Span { x: 0, y, length: scene.size[0] };
                 surface.span(span, GradientMethod::Analytic, fragments, &mut super::Coverage::default());
                 for fragment in fragments {
-                    row[usize::from(fragment.x)] =
-                        average(scene.ground_truth, &surface, texture, scene.texture.wrap, fragment);
+                    row[usize::from(fragment.x)] = average(
+                        scene.ground_truth,
+                        uv_at,
+                        texel,
+                        texture.dimensions().into(),
+                        scene.texture.wrap,
+                        fragment,
+                    );
                 }
             },
         );
@@ -77,6 +84,24 @@ impl GroundTruth {
     }
 }
 
+/// The average of the unfiltered texture over a fragment's parallelogram: the truth where no surface is known, only what a request
+/// says of it.
+#[must_use]
+pub fn footprint_average(
+    supersampling: Supersampling,
+    texel: impl Fn(u32, u32) -> [u8; 4],
+    size: [u32; 2],
+    wrap: [AddressMode; 2],
+    fragment: &Fragment,
+) -> [f32; 4] {
+    let Gradient { ux, uy, vx, vy } = fragment.gradient;
+    let uv_at = |x: f64, y: f64| {
+        let (right, below) = (x - f64::from(fragment.x) - 0.5, y - f64::from(fragment.y) - 0.5);
+        Some((fragment.u + ux * right + uy * below, fragment.v + vx * right + vy * below))
+    };
+    average(supersampling, uv_at, texel, size, wrap, fragment)
+}
+
 /// Sub-samples along an axis for a footprint of `sigma1` texels: one per texel, within the limits.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates, then the limits hold")]
 fn samples_for(squared_sigma1: f32, least: u32) -> u32 {
@@ -86,12 +111,12 @@ fn samples_for(squared_sigma1: f32, least: u32) -> u32 {
 #[allow(clippy::cast_possible_truncation, reason = "stored as f32: 24 bits for an average of 8-bit values")]
 fn average(
     supersampling: Supersampling,
-    surface: &Surface,
-    texture: &RgbaImage,
+    uv_at: impl Fn(f64, f64) -> Option<(f64, f64)>,
+    texel: impl Fn(u32, u32) -> [u8; 4],
+    size: [u32; 2],
     wrap: [AddressMode; 2],
     fragment: &Fragment,
 ) -> [f32; 4] {
-    let size = <[u32; 2]>::from(texture.dimensions());
     let footprint = Norm::Sigma1.squared_ratio(fragment.gradient.in_texels(size));
     let samples = samples_for(footprint, supersampling.samples);
     let (left, top) = (f64::from(fragment.x), f64::from(fragment.y));
@@ -99,7 +124,7 @@ fn average(
     let add = |sum: &mut [u32; 4], (u, v): (f64, f64)| {
         // Outside, when clipped, is transparent black: it counts and adds nothing.
         let (Some(x), Some(y)) = (texel_under(wrap[0], u, size[0]), texel_under(wrap[1], v, size[1])) else { return };
-        for (sum, channel) in sum.iter_mut().zip(texture.get_pixel(x, y).0) {
+        for (sum, channel) in sum.iter_mut().zip(texel(x, y)) {
             *sum += u32::from(channel);
         }
     };
@@ -111,7 +136,7 @@ fn average(
             if supersampling.jitter { (unit_hash(pixel, number, 0), unit_hash(pixel, number, 1)) } else { (0.5, 0.5) };
         let x = left + (f64::from(column) + within_x) * cell;
         let y = top + (f64::from(row) + within_y) * cell;
-        if let Some(uv) = surface.uv_at(x, y) {
+        if let Some(uv) = uv_at(x, y) {
             add(&mut sum, uv);
             count += 1;
         }

@@ -27,7 +27,7 @@ pub use self::{
     ellipsoid::{Ellipsoid, Quadric},
     footprint::{AxisRule, Norm},
     gradient::{Gradient, GradientMethod},
-    ground_truth::{GroundTruth, MOST_SAMPLES, Supersampling},
+    ground_truth::{GroundTruth, MOST_SAMPLES, Supersampling, footprint_average},
     order::{PixelOrder, Span, Spans},
     path::Path,
     pose::{Pose, Rotation},

@@ -123,6 +123,14 @@ impl TexelCache {
         self
     }
 
+    /// Counts `planes` planes from the start: more than a batch's surface has, where several textures share the cache and their
+    /// planes are numbered on.
+    #[must_use]
+    pub fn with_planes(mut self, planes: usize) -> Self {
+        self.planes.resize(planes, PlaneCounters::default());
+        self
+    }
+
     /// Reads one texel of a plane by its byte address.
     #[inline]
     pub fn read(&mut self, plane: usize, address: u64) -> Outcome {
