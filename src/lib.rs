@@ -3,6 +3,7 @@
 
 pub mod address_trace;
 pub mod annotated;
+pub mod area;
 pub mod cli;
 pub mod energy;
 pub mod error;

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use texunit_hw::{Filter, PyramidKind, Response};
 
 use crate::{
+    area,
     error::Result,
     experiment::{Bench, ImageQuality, Pyramids, Stage, cache, report, report::Metric},
     machine::{Machine, Texture},
@@ -34,7 +35,7 @@ const fn reads_pyramid(filter: Filter) -> bool {
 }
 
 /// Every knob inside a filter, one turned at a time.
-const KNOBS: [Knob; 7] = [
+const KNOBS: [Knob; 8] = [
     Knob { key: "filter.max-anisotropy", values: &["2", "4", "8"], matters: Filter::is_anisotropic },
     Knob {
         key: "filter.brilinear-threshold",
@@ -42,6 +43,11 @@ const KNOBS: [Knob; 7] = [
         matters: |filter| matches!(filter, Filter::Brilinear),
     },
     Knob { key: "filter.bits", values: &["4", "6"], matters: |filter| !matches!(filter, Filter::Point) },
+    Knob {
+        key: "filter.rounding",
+        values: &["staged-round", "staged-truncate"],
+        matters: |filter| !matches!(filter, Filter::Point | Filter::Sat),
+    },
     Knob { key: "lod.log2", values: &["herf", "ilog2"], matters: Filter::uses_level },
     Knob { key: "lod.bits", values: &["4"], matters: Filter::uses_level },
     Knob { key: "lod.bias", values: &["-0.5", "0.5"], matters: Filter::uses_level },
@@ -133,6 +139,7 @@ impl<'s> Study<'s> {
         metrics.extend(report::deviation_metrics(report::AGAINST_TRUTH, &bench.against_truth(&responses)));
         metrics.extend(ImageQuality::of(self.stage, &responses).metrics());
         metrics.extend(bench.time(&machine)?.metrics());
+        metrics.extend(area::metrics(&machine, filter));
         Ok(Candidate { variant: variant.clone(), metrics, front: false })
     }
 }

@@ -37,7 +37,7 @@ pub struct Args {
     /// The error: rmse, psnr, worst, ssim, alias_energy, blur_energy
     #[arg(long, default_value = "rmse")]
     error: String,
-    /// The cost: cycles_per_pixel, energy_pj_per_pixel, bytes_per_pixel_cached, bytes_per_pixel_uncached, reads_per_pixel, misses, host_ns_per_pixel
+    /// The cost: cycles_per_pixel, energy_pj_per_pixel, bytes_per_pixel_cached, bytes_per_pixel_uncached, reads_per_pixel, misses, area_transistors, area_luts (filters with RTL only), host_ns_per_pixel
     #[arg(long, default_value = "cycles_per_pixel")]
     cost: String,
     /// Filters as the machine has them, without turning their own knobs
