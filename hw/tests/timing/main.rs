@@ -6,7 +6,7 @@ mod simulator;
 use proptest::prelude::*;
 use simulator::{Machine, MissClocks, Tap, TapClocks, simulate};
 use texunit_hw::{
-    Geometry, Policy,
+    Batch, Footprint, Format, Geometry, Layout, Policy, PyramidKind, Requests, Sink, Surface,
     cache::{Detail, TexelCache},
     timing::{
         BankHash, DramParameters, FillTimes, MainMemory, Mapping, MemoryParameters, Mode, Page, Parameters,
@@ -193,13 +193,40 @@ fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
     drop(timing);
 
     let log = simulate(machine, requests);
-    assert_eq!(recorder.taps, log.taps, "taps");
-    assert_eq!(recorder.misses, log.misses, "misses");
-    assert_eq!(recorder.requests, log.requests, "requests");
+    let batched = in_batches(machine, requests, &counters);
+    for recorder in [recorder, batched] {
+        assert_eq!(recorder.taps, log.taps, "taps");
+        assert_eq!(recorder.misses, log.misses, "misses");
+        assert_eq!(recorder.requests, log.requests, "requests");
+    }
     for ((name, _), value) in TimingCounters::FIELDS.iter().zip(counters.values()) {
         assert_eq!(value, log.counters.get(*name).copied().unwrap_or(0), "{name}");
     }
     counters
+}
+
+/// The same requests as a unit hands them over: batches of footprints, the texels that are not read outside the texture.
+fn in_batches(machine: &Machine, requests: &[Vec<Tap>], expected: &TimingCounters) -> Recorder {
+    let mut recorder = Recorder::default();
+    let mut timing = Timing::new(&machine.pipeline, &machine.memory, cache(machine), READS, &mut recorder).unwrap();
+    // A surface of three planes, as many as the streams name.
+    let surface = Surface::new(PyramidKind::Mipmap, Layout::RowMajor, Format::Rgba8, 4, 4).unwrap();
+    for requests in requests.chunks(7) {
+        let mut ends = Vec::new();
+        let mut taps = Vec::new();
+        for request in requests {
+            taps.extend(request.iter().map(|tap| {
+                let mut address = [1 << 62; 4];
+                address[..tap.addresses.len()].copy_from_slice(&tap.addresses);
+                Footprint { address, plane: tap.plane as u16, ..Footprint::default() }
+            }));
+            ends.push(taps.len() as u32);
+        }
+        timing.take(Batch { taps: &taps, requests: Requests::Ends(&ends), texels_per_tap: 4, surface: &surface });
+    }
+    assert_eq!(timing.counters(), *expected, "batches");
+    drop(timing);
+    recorder
 }
 
 /// What must add up, whatever the machine.
