@@ -22,8 +22,6 @@ pub use line_use::LineUse;
 pub use miss_class::{MissClass, MissClasses, MissClassifier};
 pub use texel_cache::{Detail, TexelCache};
 
-use crate::address::{Footprint, is_outside};
-
 use recency_tags::RecencyTags;
 use replacement::{FillOrder, RecencyList, Splitmix, TreeBits};
 use tags::Tags;
@@ -188,35 +186,6 @@ pub trait Observer {
     fn lookup(&mut self, address: u64, line: u64, outcome: Outcome);
 }
 
-/// What watches a cache that is read tap by tap.
-pub(crate) trait TapObserver {
-    /// A tap on this plane begins.
-    fn tap(&mut self, plane: u16);
-    /// Texels of one line were read, one after the other; `outcome` is that of the first, the others hit.
-    fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome);
-}
-
-impl TapObserver for () {
-    #[inline(always)]
-    fn tap(&mut self, _: u16) {}
-    #[inline(always)]
-    fn run<const TEXELS: usize>(&mut self, _: &[u64; TEXELS], _: u64, _: Outcome) {}
-}
-
-/// One after the other.
-impl<A: TapObserver, B: TapObserver> TapObserver for (&mut A, &mut B) {
-    #[inline(always)]
-    fn tap(&mut self, plane: u16) {
-        self.0.tap(plane);
-        self.1.tap(plane);
-    }
-    #[inline(always)]
-    fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome) {
-        self.0.run(addresses, line, outcome);
-        self.1.run(addresses, line, outcome);
-    }
-}
-
 impl Observer for () {
     #[inline(always)]
     fn lookup(&mut self, _: u64, _: u64, _: Outcome) {}
@@ -296,6 +265,9 @@ macro_rules! with_engine {
     };
 }
 
+mod tap_lookups;
+pub(crate) use tap_lookups::TapObserver;
+
 impl Cache {
     /// An empty cache.
     ///
@@ -358,56 +330,6 @@ impl Cache {
         } else {
             tags.run(addresses, shift, |line| (line % sets) as usize, observer)
         });
-    }
-
-    /// Looks up the texels of taps in order of issue, once for each run of texels in one line: the second and later
-    /// texels of a run hit whatever the policy, and change no order.
-    #[inline(always)]
-    fn access_taps(&mut self, taps: &[Footprint], texels: usize, observer: &mut impl TapObserver) {
-        let shift = self.geometry.line.trailing_zeros();
-        let sets = u64::from(self.geometry.sets);
-        let mask = if sets.is_power_of_two() { sets - 1 } else { u64::MAX };
-        let set_of = |line: u64| if mask == u64::MAX { line % sets } else { line & mask } as usize;
-        // A line just used is not the next victim of these policies, unless it is the only one.
-        let keeps_last = self.geometry.ways > 1 && matches!(self.policy, Policy::Lru | Policy::Plru);
-        let (mut lookups, mut misses) = (0, 0);
-        with_engine!(&mut self.engine, tags => for tap in taps {
-            observer.tap(tap.plane);
-            let mut access = |line: u64| {
-                let outcome = tags.access(set_of(line), line);
-                misses += u64::from(!outcome.is_hit());
-                outcome
-            };
-            let [a, b, c, d] = tap.address;
-            if texels == 1 || is_outside(a | b | c | d) {
-                for &address in tap.address[..texels].iter().filter(|&&address| !is_outside(address)) {
-                    lookups += 1;
-                    let line = address >> shift;
-                    observer.run(&[address], line, access(line));
-                }
-                continue;
-            }
-            lookups += 4;
-            let lines = [a >> shift, b >> shift, c >> shift, d >> shift];
-            let one_column = lines[0] == lines[1] && lines[2] == lines[3];
-            let one_row = lines[0] == lines[2] && lines[1] == lines[3];
-            if one_column && one_row {
-                observer.run(&tap.address, lines[0], access(lines[0]));
-            } else if one_column {
-                observer.run(&[a, b], lines[0], access(lines[0]));
-                observer.run(&[c, d], lines[2], access(lines[2]));
-            } else if one_row && (keeps_last || set_of(lines[0]) != set_of(lines[1])) {
-                // Left, right, left, right: the second round finds and leaves everything as the first left it.
-                observer.run(&[a, c], lines[0], access(lines[0]));
-                observer.run(&[b, d], lines[1], access(lines[1]));
-            } else {
-                for (address, line) in tap.address.into_iter().zip(lines) {
-                    observer.run(&[address], line, access(line));
-                }
-            }
-        });
-        self.lookups += lookups;
-        self.misses += misses;
     }
 
     /// Its shape.

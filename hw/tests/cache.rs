@@ -3,7 +3,10 @@
 use std::collections::{BTreeMap, HashSet};
 
 use proptest::prelude::*;
-use texunit_hw::cache::{Cache, Detail, Geometry, LineSet, MissClassifier, Outcome, Policy, TexelCache};
+use texunit_hw::{
+    Batch, Footprint, Format, Layout, PyramidKind, Requests, Sink, Surface,
+    cache::{Cache, Detail, Geometry, LineSet, MissClassifier, Outcome, Policy, TexelCache},
+};
 
 /// One way of the textbook cache.
 #[derive(Clone, Copy)]
@@ -185,8 +188,74 @@ fn textbook_use(geometry: Geometry, policy: Policy, texel: u64, addresses: &[u64
     total + used.values().map(|bytes| bytes.len() as u64).sum::<u64>()
 }
 
+/// A tap of four texels: where it is, how far right and down its neighbours are, its plane, and which texels are outside.
+type TapPlan = (u64, u64, u64, u16, u8);
+
+/// Requests that wander, and often stay where the one before was.
+fn requests(taps: usize) -> impl Strategy<Value = Vec<Vec<TapPlan>>> {
+    let step = prop::sample::select(vec![0, 4, 4, 4, 64, 256, 1024]);
+    let outside = prop::sample::select(vec![0, 0, 0, 0, 0, 1, 5, 15]);
+    let tap = (0_u64..512, step.clone(), step, 0_u16..3, outside);
+    let fresh = prop::collection::vec(tap, taps);
+    prop::collection::vec((fresh, prop::collection::vec(0_u64..3, taps), 0_u8..4), 1..60).prop_map(|drawn| {
+        let mut requests: Vec<Vec<TapPlan>> = Vec::new();
+        for (fresh, moves, choice) in drawn {
+            let request = match requests.last() {
+                // Three in four: as before, a texel or two further on.
+                Some(before) if choice > 0 => before
+                    .iter()
+                    .zip(moves)
+                    .map(|(&(at, right, down, plane, out), by)| (at + by, right, down, plane, out))
+                    .collect(),
+                _ => fresh,
+            };
+            requests.push(request);
+        }
+        requests
+    })
+}
+
+fn footprint(&(at, right, down, plane, outside): &TapPlan) -> Footprint {
+    let corners = [0, right, down, right + down].map(|step| 4 * at + step);
+    let address = [0, 1, 2, 3].map(|i| if outside >> i & 1 == 1 { 1 << 62 } else { corners[i] });
+    Footprint { address, plane, ..Footprint::default() }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn taps_in_batches_count_as_their_texels_one_by_one(
+        geometry in geometries(),
+        policy in policies(),
+        requests in (1_usize..6).prop_flat_map(requests),
+        detail in prop::sample::select(vec![Detail::default(), Detail { classes: false, line_use: true }]),
+        batch in 1_usize..40,
+        as_ends in any::<bool>(),
+        texels in prop::sample::select(vec![4, 4, 4, 1]),
+    ) {
+        prop_assume!(geometry.line >= 4);
+        let surface = Surface::new(PyramidKind::Mipmap, Layout::RowMajor, Format::Rgba8, 4, 4).unwrap();
+        let mut one_by_one = TexelCache::new(geometry, policy, 4, detail).unwrap();
+        let mut batched = one_by_one.clone();
+        for requests in requests.chunks(batch) {
+            let taps: Vec<Footprint> = requests.iter().flatten().map(footprint).collect();
+            for tap in &taps {
+                for &address in tap.address[..texels].iter().filter(|address| **address < 1 << 62) {
+                    one_by_one.read(tap.plane.into(), address);
+                }
+            }
+            let each = requests[0].len();
+            let ends: Vec<u32> = (1..=requests.len()).map(|request| (request * each) as u32).collect();
+            let divided = if as_ends { Requests::Ends(&ends) } else { Requests::Each(each) };
+            batched.take(Batch { taps: &taps, requests: divided, texels_per_tap: texels, surface: &surface });
+        }
+        prop_assert_eq!(batched.counters(), one_by_one.counters());
+        let (mut found, mut expected) = (batched.planes(), one_by_one.planes());
+        found.resize(3, Default::default());
+        expected.resize(3, Default::default());
+        prop_assert_eq!(found, expected);
+    }
+
 
     #[test]
     fn every_policy_and_shape_agrees_with_the_textbook_on_every_lookup((geometry, policy, addresses) in cases()) {

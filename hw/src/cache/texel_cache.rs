@@ -2,7 +2,7 @@
 
 use alloc::{vec, vec::Vec};
 
-use crate::unit::{Batch, Sink};
+use crate::unit::{Batch, Requests, Sink};
 
 use super::{
     Cache, Counters, Geometry, GeometryError, LineUse, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
@@ -216,14 +216,18 @@ impl TexelCache {
             self.planes.resize(planes, PlaneCounters::default());
         }
         let planes = &mut self.planes[..];
+        let each = match batch.requests {
+            Requests::Each(taps) => Some(taps),
+            Requests::Ends(_) => None,
+        };
         match &mut self.meter {
             Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } => {
                 let watch = &mut FullWatch { classifier, line_use, planes, plane: 0 };
-                self.cache.access_taps(batch.taps, batch.texels_per_tap, &mut (watch, observer));
+                self.cache.access_taps(batch.taps, batch.texels_per_tap, each, &mut (watch, observer));
             }
             meter => {
                 let watch = &mut TapWatch { meter, planes, plane: 0 };
-                self.cache.access_taps(batch.taps, batch.texels_per_tap, &mut (watch, observer));
+                self.cache.access_taps(batch.taps, batch.texels_per_tap, each, &mut (watch, observer));
             }
         }
     }
@@ -266,6 +270,12 @@ impl TapObserver for FullWatch<'_> {
             row.misses += 1;
         }
     }
+
+    #[inline(always)]
+    fn again<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], _: u64, slot: u32) {
+        self.planes[self.plane].lookups += TEXELS as u64;
+        self.line_use.run(addresses, Outcome::Hit { slot });
+    }
 }
 
 /// Some counters.
@@ -288,6 +298,14 @@ impl TapObserver for TapWatch<'_> {
         PlaneMeter { meter: self.meter, row }.lookup(addresses[0], line, outcome);
         if let Some(line_use) = &mut self.meter.line_use {
             line_use.run(addresses, Outcome::Hit { slot: outcome.slot() });
+        }
+    }
+
+    #[inline(always)]
+    fn again<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], _: u64, slot: u32) {
+        self.planes[self.plane].lookups += TEXELS as u64;
+        if let Some(line_use) = &mut self.meter.line_use {
+            line_use.run(addresses, Outcome::Hit { slot });
         }
     }
 }

@@ -61,6 +61,11 @@ impl TapObserver for TapReads {
     fn run<const TEXELS: usize>(&mut self, _: &[u64; TEXELS], line: u64, outcome: Outcome) {
         self.read(line, outcome);
     }
+
+    #[inline(always)]
+    fn again<const TEXELS: usize>(&mut self, _: &[u64; TEXELS], line: u64, slot: u32) {
+        self.read(line, Outcome::Hit { slot });
+    }
 }
 
 impl Observer for TapReads {
