@@ -12,20 +12,20 @@ use crate::{
 };
 
 /// An address with this bit or the one above is outside the texture: nothing is read, the texel is transparent black.
-const OUTSIDE: u64 = 1 << 62;
+pub(crate) const OUTSIDE: u64 = 1 << 62;
 
 /// Tables start at this index: clamped coordinates saturate two texels before the border.
-const FIRST_INDEX: i64 = -2;
+pub(crate) const FIRST_INDEX: i64 = -2;
 
 /// One axis of one plane.
 #[derive(Clone, Copy, Debug)]
-struct Axis {
+pub(crate) struct Axis {
     /// First entry in the tables.
-    start: usize,
+    pub(crate) start: usize,
     /// Largest lower index a coordinate can saturate to.
-    last: i64,
-    size: u32,
-    mask: i64,
+    pub(crate) last: i64,
+    pub(crate) size: u32,
+    pub(crate) mask: i64,
 }
 
 /// A tap with its addresses: all that the cache and the datapath need to know.
@@ -63,8 +63,8 @@ pub const fn is_outside(address: u64) -> bool {
 /// The address unit of one surface under one pair of address modes.
 #[derive(Clone, Debug)]
 pub struct AddressUnit {
-    axes: Vec<[Axis; 2]>,
-    tables: Vec<u64>,
+    pub(crate) axes: Vec<[Axis; 2]>,
+    pub(crate) tables: Vec<u64>,
     filter_bits: u32,
     /// Entries carry the position in the block in their lowest four bits, below the byte offset.
     blocks: bool,

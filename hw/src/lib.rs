@@ -6,7 +6,8 @@
 //! There is no float arithmetic here, no input or output, and no clock but its own: floats enter as the bits of their
 //! `u32` or `u64`.
 #![no_std]
-#![forbid(unsafe_code)]
+// One module of one file may hold unsafe code: `lanes::room` (docs/decisions/0004-one-room-for-unsafe.md).
+#![deny(unsafe_code)]
 #![deny(clippy::float_arithmetic, clippy::float_cmp)]
 
 extern crate alloc;
@@ -35,6 +36,8 @@ pub mod sweep;
 
 pub mod datapath;
 pub mod memory;
+
+mod lanes;
 
 pub mod decompression;
 

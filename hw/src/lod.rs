@@ -140,14 +140,14 @@ const fn plain_level(octaves: i32, mantissa: u32) -> i32 {
 /// What the clamp of the LOD unit is wired to, for one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LevelRange {
-    bias: i32,
-    low: i32,
-    high: i32,
+    pub(crate) bias: i32,
+    pub(crate) low: i32,
+    pub(crate) high: i32,
     /// The last level.
     pub last: u8,
     /// Half of the last fraction bit that is kept, and the bits that are kept.
-    half: i32,
-    mask: i32,
+    pub(crate) half: i32,
+    pub(crate) mask: i32,
 }
 
 impl LevelRange {

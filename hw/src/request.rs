@@ -10,6 +10,7 @@ use fixed::types::I12F20;
 /// assert_eq!(request.u.to_bits(), 0x80000); // u = 0.5, half way across the texture
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
 pub struct Request {
     /// Horizontal coordinate, 12.20, one repeat of the texture is 1.0.
     pub u: I12F20,
@@ -34,6 +35,7 @@ impl Request {
 
 /// One filtered texel and the level it came from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
 pub struct Response {
     /// Red, green, blue, alpha, 8 bits each.
     pub texel: [u8; 4],

@@ -13,10 +13,10 @@ use crate::{
 pub struct TapUnit {
     sampler: Sampler,
     /// Level ranges: of a Mipmap's chain, then of the u and of the v axis.
-    chain: LevelRange,
-    axes: [LevelRange; 2],
+    pub(crate) chain: LevelRange,
+    pub(crate) axes: [LevelRange; 2],
     /// Storage index of plane (0, lv) is this plus lv, for lv above zero.
-    row_planes: usize,
+    pub(crate) row_planes: usize,
     address: AddressUnit,
 }
 

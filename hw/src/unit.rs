@@ -8,6 +8,7 @@ use alloc::{vec, vec::Vec};
 use crate::{
     address::{Footprint, is_outside},
     datapath::{TexelSource, filter, filter_packed},
+    lanes::Lanes,
     memory::with_source,
     request::{Request, Response},
     sampler::{Filter, Rounding, Sampler, SamplerError},
@@ -95,12 +96,17 @@ impl Batch<'_> {
 
 /// Whoever looks at the address stream between the address unit and the datapath.
 pub trait Sink {
+    /// Whether it looks at all: where it does not, a unit need not have its taps in memory at any time.
+    const LOOKS: bool = true;
+
     /// Takes the next batch.
     fn take(&mut self, batch: Batch<'_>);
 }
 
 /// Nobody looks.
 impl Sink for () {
+    const LOOKS: bool = false;
+
     #[inline]
     fn take(&mut self, _batch: Batch<'_>) {}
 }
@@ -135,6 +141,7 @@ pub struct Unit<'m> {
     surface: &'m Surface,
     bytes: &'m [u8],
     taps: TapUnit,
+    lanes: Option<Lanes<'m>>,
     /// Requests of a batch.
     batch: usize,
     footprints: Vec<Footprint>,
@@ -157,11 +164,13 @@ impl<'m> Unit<'m> {
         }
         let (most_taps, always) = most_taps(sampler.filter);
         let batch = (BATCH_TAPS / most_taps).max(1);
+        let taps = TapUnit::new(sampler, surface);
         Ok(Self {
             sampler: *sampler,
             surface,
             bytes,
-            taps: TapUnit::new(sampler, surface),
+            lanes: Lanes::new(sampler, &taps, surface, bytes),
+            taps,
             batch,
             footprints: vec![Footprint::default(); batch * most_taps],
             ends: vec![0; if always { 0 } else { batch }],
@@ -169,17 +178,23 @@ impl<'m> Unit<'m> {
         })
     }
 
+    /// The same unit without the lanes of the machine it runs on: what they are compared with.
+    #[must_use]
+    pub fn scalar(self) -> Self {
+        Self { lanes: None, ..self }
+    }
+
     /// Answers requests; `sink` sees every tap on the way.
     ///
     /// # Panics
     /// If the two slices differ in length.
-    pub fn run(&mut self, requests: &[Request], responses: &mut [Response], sink: &mut impl Sink) {
+    pub fn run<S: Sink>(&mut self, requests: &[Request], responses: &mut [Response], sink: &mut S) {
         assert_eq!(requests.len(), responses.len(), "one response a request");
         let size = self.batch;
         if self.sampler.filter == Filter::Sat {
             // Sums are no texels: another datapath.
             for (requests, responses) in requests.chunks(size).zip(responses.chunks_mut(size)) {
-                let (bytes, (batch, lods)) = (self.bytes, self.expand::<Sat>(requests));
+                let (bytes, (batch, lods)) = (self.bytes, self.expand::<Sat>(requests, 0));
                 for ((response, lod), taps) in responses.iter_mut().zip(lods).zip(batch.per_request()) {
                     *response = Response { texel: sat::mean(bytes, taps), lod: *lod };
                 }
@@ -187,16 +202,29 @@ impl<'m> Unit<'m> {
             }
             return;
         }
+        let done = match &self.lanes {
+            Some(lanes) if !S::LOOKS => lanes.answer(requests, responses),
+            _ => 0,
+        };
+        let (requests, responses) = (&requests[done..], &mut responses[done..]);
+        // Taken out for as long as the rest of the unit is borrowed to make taps.
+        let lanes = self.lanes.take();
+        let sampler = self.sampler;
         with_program!(self.sampler.filter, P => with_source!(self.surface, self.bytes, source => {
             for (requests, responses) in requests.chunks(size).zip(responses.chunks_mut(size)) {
-                let (sampler, (batch, lods)) = (self.sampler, self.expand::<P>(requests));
-                for (response, lod) in responses.iter_mut().zip(lods) {
+                let done = match &lanes {
+                    Some(lanes) => lanes.answer_and_write(requests, responses, &mut self.footprints),
+                    None => 0,
+                };
+                let (batch, lods) = self.expand::<P>(requests, done);
+                for (response, lod) in responses.iter_mut().zip(lods).skip(done) {
                     response.lod = *lod;
                 }
                 sink.take(batch);
-                answer::<P>(&sampler, &source, batch, responses);
+                answer::<P>(&sampler, lanes.as_ref(), &source, batch, done, responses);
             }
         }));
+        self.lanes = lanes;
     }
 
     /// Makes addresses only: what a cache study needs.
@@ -204,16 +232,20 @@ impl<'m> Unit<'m> {
         let size = self.batch;
         with_program!(self.sampler.filter, P => {
             for requests in requests.chunks(size) {
-                sink.take(self.expand::<P>(requests).0);
+                let done = match &self.lanes {
+                    Some(lanes) => lanes.write(requests, &mut self.footprints),
+                    None => 0,
+                };
+                sink.take(self.expand::<P>(requests, done).0);
             }
         });
     }
 
-    /// The taps and levels of at most one batch of requests.
+    /// The taps and levels of at most one batch of requests; those of the first `done` requests have been written.
     #[inline]
-    fn expand<P: Program>(&mut self, requests: &[Request]) -> (Batch<'_>, &[[u16; 2]]) {
-        let mut end = 0;
-        for (number, (request, lod)) in requests.iter().zip(&mut self.lods).enumerate() {
+    fn expand<P: Program>(&mut self, requests: &[Request], done: usize) -> (Batch<'_>, &[[u16; 2]]) {
+        let mut end = done * P::MOST_TAPS;
+        for (number, (request, lod)) in requests.iter().zip(&mut self.lods).enumerate().skip(done) {
             let taps = &mut self.footprints[end..end + P::MOST_TAPS];
             let (count, levels) = P::expand(&self.taps, request, taps);
             *lod = levels;
@@ -231,15 +263,33 @@ impl<'m> Unit<'m> {
     }
 }
 
-fn answer<P: Program>(sampler: &Sampler, source: &impl TexelSource, batch: Batch<'_>, responses: &mut [Response]) {
+/// Filters the batch's requests from the one numbered `first`.
+fn answer<P: Program>(
+    sampler: &Sampler,
+    lanes: Option<&Lanes<'_>>,
+    source: &impl TexelSource,
+    batch: Batch<'_>,
+    first: usize,
+    responses: &mut [Response],
+) {
+    let responses = &mut responses[first..];
+    if let (Some(lanes), Requests::Ends(ends)) = (lanes, batch.requests) {
+        let mut responses = responses.iter_mut();
+        lanes.filter(batch.taps, ends.iter().map(|&end| end as usize), |texel| {
+            if let Some(response) = responses.next() {
+                response.texel = texel;
+            }
+        });
+        return;
+    }
     let packed = sampler.rounding == Rounding::Once && sampler.filter_bits == 8;
     let bits = sampler.filter_bits.into();
     if packed && P::WEIGHT_BITS <= 8 {
-        for (taps, response) in batch.per_request().zip(responses) {
+        for (taps, response) in batch.per_request().skip(first).zip(responses) {
             response.texel = filter_packed(source, taps, P::TEXELS, P::WEIGHT_BITS);
         }
     } else {
-        for (taps, response) in batch.per_request().zip(responses) {
+        for (taps, response) in batch.per_request().skip(first).zip(responses) {
             response.texel = filter(source, taps, P::TEXELS, bits, P::WEIGHT_BITS, sampler.rounding);
         }
     }

@@ -1,0 +1,41 @@
+//! Machines without lanes.
+
+use core::marker::PhantomData;
+
+use crate::{
+    address::Footprint,
+    datapath::Texel,
+    request::{Request, Response},
+    sampler::Sampler,
+    surface::Surface,
+    taps::TapUnit,
+};
+
+/// Nothing of this kind exists.
+#[derive(Clone, Debug)]
+pub(crate) struct Lanes<'m> {
+    none: core::convert::Infallible,
+    memory: PhantomData<&'m [u8]>,
+}
+
+impl<'m> Lanes<'m> {
+    pub(crate) fn new(_: &Sampler, _: &TapUnit, _: &Surface, _: &'m [u8]) -> Option<Self> {
+        None
+    }
+
+    pub(crate) fn answer(&self, _: &[Request], _: &mut [Response]) -> usize {
+        match self.none {}
+    }
+
+    pub(crate) fn answer_and_write(&self, _: &[Request], _: &mut [Response], _: &mut [Footprint]) -> usize {
+        match self.none {}
+    }
+
+    pub(crate) fn write(&self, _: &[Request], _: &mut [Footprint]) -> usize {
+        match self.none {}
+    }
+
+    pub(crate) fn filter(&self, _: &[Footprint], _: impl Iterator<Item = usize>, _: impl FnMut(Texel)) {
+        match self.none {}
+    }
+}

@@ -1,0 +1,27 @@
+//! The common case in eight lanes: texels of RGBA8, 8 fraction bits, one rounding, on a machine with AVX2.
+//!
+//! The scalar units say what is right; these say the same faster, and a test compares every filter, address mode and layout bit for bit.
+//! Whatever is not the common case stays with them, as does the end of a run that fills no eight lanes.
+
+#[cfg(target_arch = "x86_64")]
+mod address;
+#[cfg(target_arch = "x86_64")]
+mod filter;
+#[cfg(target_arch = "x86_64")]
+mod kernel;
+#[cfg(target_arch = "x86_64")]
+mod level;
+#[cfg(target_arch = "x86_64")]
+mod room;
+#[cfg(target_arch = "x86_64")]
+mod unit;
+
+#[cfg(not(target_arch = "x86_64"))]
+mod elsewhere;
+#[cfg(not(target_arch = "x86_64"))]
+use elsewhere as unit;
+
+pub(crate) use unit::Lanes;
+
+/// Requests, or taps, at a time.
+pub(crate) const LANES: usize = 8;
