@@ -8,7 +8,7 @@ use alloc::{vec, vec::Vec};
 use crate::{
     address::{Footprint, is_outside},
     datapath::{TexelSource, filter, filter_packed},
-    lanes::Lanes,
+    lanes::{LANES, Lanes},
     memory::with_source,
     request::{Request, Response},
     sampler::{Filter, Rounding, Sampler, SamplerError},
@@ -182,6 +182,12 @@ impl<'m> Unit<'m> {
     #[must_use]
     pub fn scalar(self) -> Self {
         Self { lanes: None, ..self }
+    }
+
+    /// Requests, or taps, that this machine filters at a time: 1 where its lanes do not serve (see [`Self::scalar`]).
+    #[must_use]
+    pub const fn lanes(&self) -> usize {
+        if self.lanes.is_some() { LANES } else { 1 }
     }
 
     /// Answers requests; `sink` sees every tap on the way.

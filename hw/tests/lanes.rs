@@ -1,0 +1,215 @@
+//! The lanes of the machine against the scalar units: every bit of every answer and of every tap.
+
+use proptest::{
+    prelude::*,
+    strategy::ValueTree,
+    test_runner::{TestRng, TestRunner},
+};
+use texunit_hw::{
+    AddressMode, Batch, Filter, Footprint, Format, I12F20, Layout, LevelRounding, LodSource, Log2, Request, Requests,
+    Response, Rounding, Sampler, Sink, Surface, Unit,
+};
+
+const FILTERS: [Filter; 12] = [
+    Filter::Point,
+    Filter::Bilinear,
+    Filter::NearestMip,
+    Filter::Trilinear,
+    Filter::Brilinear,
+    Filter::MipDouble,
+    Filter::Dipmap,
+    Filter::DipmapTrilinear,
+    Filter::Ripmap,
+    Filter::Texram,
+    Filter::Feline,
+    Filter::Fast,
+];
+const MODES: [AddressMode; 4] = [AddressMode::Wrap, AddressMode::Clamp, AddressMode::Clip, AddressMode::Mirror];
+const LAYOUTS: [Layout; 4] = [
+    Layout::RowMajor,
+    Layout::Tiled { log2_width: 2, log2_height: 2 },
+    Layout::Morton,
+    Layout::Blocked { block: [2, 1], superblock: [3, 4] },
+];
+const SIZES: [[u32; 2]; 8] = [[1, 1], [2, 1], [1, 37], [64, 64], [16, 128], [33, 7], [255, 3], [1000, 2]];
+
+/// All taps and how they divide.
+#[derive(Debug, Default, PartialEq)]
+struct Taps {
+    taps: Vec<Footprint>,
+    ends: Vec<usize>,
+}
+
+impl Sink for Taps {
+    fn take(&mut self, batch: Batch<'_>) {
+        for taps in batch.per_request() {
+            self.taps.extend(taps);
+            self.ends.push(self.taps.len());
+        }
+        if let Requests::Each(taps) = batch.requests {
+            assert_eq!(batch.taps.len(), taps * batch.len());
+        }
+    }
+}
+
+/// Coordinates that mean something, coordinates at borders, any bits.
+fn coordinate() -> impl Strategy<Value = i32> {
+    prop_oneof![
+        0..1i32 << 20,
+        (-3i32..=3, -2i32..=2).prop_map(|(turns, near)| (turns << 20) + near),
+        -(4i32 << 20)..4 << 20,
+        Just(i32::MIN),
+        Just(i32::MAX),
+        any::<i32>(),
+    ]
+}
+
+/// Levels that mean something to one source of levels or the other, the specials of both, any bits.
+fn scale() -> impl Strategy<Value = u32> {
+    prop_oneof![
+        (110u32 << 23..160 << 23),
+        0u32..16 << 8,
+        (-600i32..0).prop_map(i32::cast_unsigned),
+        prop::sample::select(vec![0, 1 << 31, 0x7F80_0000, 0xFF80_0000, 0x7FC0_0000, 0x7F7F_FFFF, 0x8000_0001]),
+        (120u32 << 23..130 << 23).prop_map(|bits| bits & !0x7FFF),
+        any::<u32>(),
+    ]
+}
+
+fn request() -> impl Strategy<Value = Request> {
+    let vector = || [-(1i32 << 18)..1 << 18, -(1i32 << 18)..1 << 18].prop_map(|vector| vector.map(I12F20::from_bits));
+    (coordinate(), coordinate(), [scale(), scale()], [vector(), vector()], any::<[u16; 2]>()).prop_map(
+        |(u, v, scale, axes, pixel)| Request { u: I12F20::from_bits(u), v: I12F20::from_bits(v), scale, axes, pixel },
+    )
+}
+
+fn sampler() -> impl Strategy<Value = Sampler> {
+    let log2 = prop_oneof![
+        3 => Just(Log2::Exact),
+        1 => prop::sample::select(vec![Log2::Table16, Log2::Quadratic, Log2::Fourth, Log2::Herf, Log2::HerfPlain, Log2::Ilog2]),
+    ];
+    let level_rounding = prop::sample::select(vec![LevelRounding::Floor, LevelRounding::Nearest, LevelRounding::Gl]);
+    let lod_source = prop_oneof![3 => Just(LodSource::Gradient), 1 => Just(LodSource::Explicit)];
+    let levels = (-(16i16 << 8)..=16 << 8, prop_oneof![Just(0), 0..=32i32 << 8], prop_oneof![Just(32 << 8), 0..=32i32 << 8]);
+    let bias = prop_oneof![Just(true), Just(false)];
+    (log2, level_rounding, lod_source, levels, bias, 0u8..=8, 0u8..=127, 1u8..=64).prop_map(
+        |(log2, level_rounding, lod_source, (most, min_lod, max_lod), bias, lod_bits, threshold, probes)| Sampler {
+            log2,
+            level_rounding,
+            lod_source,
+            bias: if bias { most } else { 0 },
+            min_lod,
+            max_lod,
+            lod_bits,
+            brilinear_threshold: threshold,
+            max_anisotropy: probes,
+            ..Sampler::default()
+        },
+    )
+}
+
+/// Bytes that tell every texel from its neighbours.
+fn bytes(surface: &Surface) -> Vec<u8> {
+    (0..surface.bytes as u32).map(|at| (at.wrapping_mul(0x9E37_79B9) >> 24) as u8).collect()
+}
+
+fn runner() -> TestRunner {
+    let config = ProptestConfig::default();
+    let rng = TestRng::deterministic_rng(config.rng_algorithm);
+    TestRunner::new_with_rng(config, rng)
+}
+
+fn draw<S: Strategy>(runner: &mut TestRunner, strategy: &S) -> S::Value {
+    strategy.new_tree(runner).expect("nothing is rejected").current()
+}
+
+/// Compares the two units on requests, with and without somebody to look at the taps.
+fn compare(sampler: &Sampler, surface: &Surface, bytes: &[u8], requests: &[Request]) {
+    let told = || format!("{sampler:?}\n{:?} {:?}", surface.layout, surface.planes[0].size());
+    let mut lanes = Unit::new(sampler, surface, bytes).expect("a sound unit");
+    let mut scalar = lanes.clone().scalar();
+    assert_eq!(scalar.lanes(), 1);
+    let mut right = vec![Response::default(); requests.len()];
+    let mut right_taps = Taps::default();
+    scalar.run(requests, &mut right, &mut right_taps);
+
+    let mut seen = (vec![Response::default(); requests.len()], Taps::default());
+    lanes.run(requests, &mut seen.0, &mut seen.1);
+    let mut unseen = vec![Response::default(); requests.len()];
+    lanes.run(requests, &mut unseen, &mut ());
+    let mut addresses = Taps::default();
+    lanes.addresses(requests, &mut addresses);
+    for (number, request) in requests.iter().enumerate() {
+        assert_eq!(seen.0[number], right[number], "seen, request {number}: {request:?}\n{}", told());
+        assert_eq!(unseen[number], right[number], "unseen, request {number}: {request:?}\n{}", told());
+    }
+    assert!(seen.1 == right_taps, "taps of a run\n{}", told());
+    assert!(addresses == right_taps, "taps alone\n{}", told());
+}
+
+#[test]
+fn lanes_are_the_scalar_unit_for_every_filter_address_mode_layout_and_size() {
+    let mut runner = runner();
+    let (sampler, request) = (sampler(), request());
+    for filter in FILTERS {
+        for layout in LAYOUTS {
+            for [width, height] in SIZES {
+                let surface = Surface::new(filter.pyramid(), layout, Format::Rgba8, width, height).expect("a surface");
+                let bytes = bytes(&surface);
+                for u in MODES {
+                    for v in MODES {
+                        let sampler = Sampler { filter, address: [u, v], ..draw(&mut runner, &sampler) };
+                        // Eights, and a rest that fills none.
+                        let requests: Vec<Request> = (0..8 * 4 + 3).map(|_| draw(&mut runner, &request)).collect();
+                        compare(&sampler, &surface, &bytes, &requests);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn neighbours_that_share_a_plane_are_answered_as_if_alone() {
+    let mut runner = runner();
+    let (sampler, request) = (sampler(), request());
+    for filter in FILTERS {
+        let surface = Surface::new(filter.pyramid(), LAYOUTS[1], Format::Rgba8, 96, 40).expect("a surface");
+        let bytes = bytes(&surface);
+        for mode in MODES {
+            let sampler = Sampler { filter, address: [mode; 2], ..draw(&mut runner, &sampler) };
+            let scale = draw(&mut runner, &request).scale;
+            let requests: Vec<Request> =
+                (0..256 + 5).map(|_| Request { scale, ..draw(&mut runner, &request) }).collect();
+            compare(&sampler, &surface, &bytes, &requests);
+        }
+    }
+}
+
+#[test]
+fn every_mantissa_boundary_of_the_logarithm_is_where_the_scalar_unit_has_it() {
+    let surface = Surface::new(Filter::Trilinear.pyramid(), Layout::RowMajor, Format::Rgba8, 512, 512).expect("a surface");
+    let bytes = bytes(&surface);
+    let sampler = Sampler::default();
+    let boundaries = (1..=128).map(|k| (2f64.powf(f64::from(2 * k - 1) / 256.0) * f64::from(1 << 23)) as u32 - (1 << 23));
+    let requests: Vec<Request> = boundaries
+        .flat_map(|mantissa| (mantissa.saturating_sub(3)..mantissa + 4).map(|mantissa| mantissa.min((1 << 23) - 1)))
+        .flat_map(|mantissa| [0u32, 1, 126, 127, 128, 131, 254, 255].map(|exponent| exponent << 23 | mantissa))
+        .map(|scale| Request { scale: [scale; 2], ..Request::default() })
+        .collect();
+    compare(&sampler, &surface, &bytes, &requests);
+}
+
+#[test]
+fn lanes_serve_the_common_case_where_the_machine_has_them() {
+    let surface = Surface::new(Filter::Trilinear.pyramid(), Layout::default(), Format::Rgba8, 64, 64).expect("a surface");
+    let bytes = bytes(&surface);
+    let lanes = |sampler: &Sampler| Unit::new(sampler, &surface, &bytes).expect("a unit").lanes();
+    #[cfg(target_arch = "x86_64")]
+    let machine = if std::arch::is_x86_feature_detected!("avx2") { 8 } else { 1 };
+    #[cfg(not(target_arch = "x86_64"))]
+    let machine = 1;
+    assert_eq!(lanes(&Sampler::default()), machine);
+    assert_eq!(lanes(&Sampler { filter_bits: 7, ..Sampler::default() }), 1);
+    assert_eq!(lanes(&Sampler { rounding: Rounding::StagedRound, ..Sampler::default() }), 1);
+}
