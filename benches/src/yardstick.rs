@@ -75,40 +75,49 @@ fn footprint(request: &Request, bases: &[u32; 11]) -> ([[u32; 4]; 2], [[u64; 2];
     let (level, t) = ((lod >> 8) as u32, (lod & 255) as u64);
     let mut addresses = [[0; 4]; 2];
     let mut fractions = [[0; 2]; 2];
-    for tap in 0..2 {
-        let level = (level + tap as u32).min(10);
-        let log2 = 10 - level;
-        let (mask, tiles) = ((1u32 << log2) - 1, ((1u32 << log2) + 3) / 4);
-        let [u, v] = [request.u, request.v]
-            .map(|c| ((c.to_bits() as u32) << log2).wrapping_sub(1 << 19));
-        fractions[tap] = [u, v].map(|p| u64::from(p >> 12 & 255));
-        let [x0, y0] = [u, v].map(|p| p >> 20 & mask);
-        let [x1, y1] = [(x0 + 1) & mask, (y0 + 1) & mask];
-        let columns = [x0, x1].map(|x| (x >> 2) * 64 + (x & 3) * 4);
-        let rows = [y0, y1].map(|y| (y >> 2) * tiles * 64 + (y & 3) * 16);
-        let base = bases[level as usize];
-        addresses[tap] = [
-            base + columns[0] + rows[0],
-            base + columns[1] + rows[0],
-            base + columns[0] + rows[1],
-            base + columns[1] + rows[1],
-        ];
+    for number in 0..2 {
+        let level = (level + number as u32).min(10);
+        (addresses[number], fractions[number]) = tap(request, level, bases[level as usize]);
     }
     (addresses, fractions, t)
+}
+
+/// The four addresses of a tap of one level, and its fractions.
+#[inline(always)]
+fn tap(request: &Request, level: u32, base: u32) -> ([u32; 4], [u64; 2]) {
+    let log2 = 10 - level;
+    let (mask, tiles) = ((1u32 << log2) - 1, ((1u32 << log2) + 3) / 4);
+    let [u, v] = [request.u, request.v].map(|c| ((c.to_bits() as u32) << log2).wrapping_sub(1 << 19));
+    let [x0, y0] = [u, v].map(|p| p >> 20 & mask);
+    let [x1, y1] = [(x0 + 1) & mask, (y0 + 1) & mask];
+    let columns = [x0, x1].map(|x| (x >> 2) * 64 + (x & 3) * 4);
+    let rows = [y0, y1].map(|y| (y >> 2) * tiles * 64 + (y & 3) * 16);
+    let addresses = [
+        base + columns[0] + rows[0],
+        base + columns[1] + rows[0],
+        base + columns[0] + rows[1],
+        base + columns[1] + rows[1],
+    ];
+    (addresses, [u, v].map(|p| u64::from(p >> 12 & 255)))
 }
 
 #[inline(always)]
 fn sample(bytes: &[u8], addresses: &[[u32; 4]; 2], fractions: &[[u64; 2]; 2], t: u64) -> u32 {
     let mut levels = [0u64; 2];
-    for tap in 0..2 {
-        let [c00, c10, c01, c11] = addresses[tap].map(|address| {
-            let at = address as usize;
-            spread(u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]))
-        });
-        let [f, g] = fractions[tap];
-        levels[tap] = lerp_packed(lerp_packed(c00, c10, f), lerp_packed(c01, c11, f), g);
+    for number in 0..2 {
+        let [f, g] = fractions[number];
+        levels[number] = sample_tap(bytes, &addresses[number], f, g);
     }
     gather(lerp_packed(levels[0], levels[1], t))
+}
+
+#[inline(always)]
+fn sample_tap(bytes: &[u8], addresses: &[u32; 4], f: u64, g: u64) -> u64 {
+    let [c00, c10, c01, c11] = addresses.map(|address| {
+        let at = address as usize;
+        spread(u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]))
+    });
+    lerp_packed(lerp_packed(c00, c10, f), lerp_packed(c01, c11, f), g)
 }
 
 /// Texels and cache.
@@ -131,6 +140,14 @@ pub fn sampling(requests: &[Request], bytes: &[u8], out: &mut [u32]) {
     for (request, out) in requests.iter().zip(out) {
         let (addresses, fractions, t) = footprint(request, &bases);
         *out = sample(bytes, &addresses, &fractions, t);
+    }
+}
+
+/// Texels of level 0 only.
+pub fn bilinear(requests: &[Request], bytes: &[u8], out: &mut [u32]) {
+    for (request, out) in requests.iter().zip(out) {
+        let (addresses, [f, g]) = tap(request, 0, 0);
+        *out = gather(sample_tap(bytes, &addresses, f, g));
     }
 }
 

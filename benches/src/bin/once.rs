@@ -16,6 +16,33 @@ impl Sink for Addresses {
     }
 }
 
+/// Has taps made, and leaves them.
+struct Nothing;
+
+impl Sink for Nothing {
+    fn take(&mut self, batch: Batch<'_>) {
+        black_box(batch.taps);
+    }
+}
+
+const SUBJECTS: &str = "hand-whole hand-sampling hand-bilinear hand-caching hand-cache whole whole-plain sampling scalar-sampling \
+                        taps-and-texels addresses cache";
+
+const FILTERS: [Filter; 12] = [
+    Filter::Point,
+    Filter::Bilinear,
+    Filter::NearestMip,
+    Filter::Trilinear,
+    Filter::Brilinear,
+    Filter::MipDouble,
+    Filter::Dipmap,
+    Filter::DipmapTrilinear,
+    Filter::Ripmap,
+    Filter::Texram,
+    Filter::Feline,
+    Filter::Fast,
+];
+
 /// Everything below this frame is counted.
 #[inline(never)]
 fn counted<T>(work: impl FnOnce() -> T) {
@@ -24,20 +51,24 @@ fn counted<T>(work: impl FnOnce() -> T) {
 
 fn main() {
     let subject = std::env::args().nth(1).unwrap_or_default();
-    let case = Case::rows(Filter::Trilinear, 500..564);
+    // A subject that ends in `=FILTER` is that filter's; the others are trilinear.
+    let (subject, filter) = subject.split_once('=').unwrap_or((&subject, "Trilinear"));
+    let filter = FILTERS.into_iter().find(|known| format!("{known:?}") == filter).expect("a filter by its name");
+    let case = Case::rows(filter, 500..564);
     let (requests, bytes) = (&case.requests[..], &case.memory.bytes[..]);
     let mut texels = vec![0u32; requests.len()];
     let mut responses = vec![Response::default(); requests.len()];
     let geometry = Geometry { sets: 64, ways: 4, line: 64 };
     let detail = |classes, line_use| Detail { classes, line_use };
     let texel_cache = |detail| TexelCache::new(geometry, Policy::Lru, 4, detail).expect("64 x 4 x 64");
-    let mut unit = Unit::new(&Sampler::default(), &case.memory.surface, bytes).expect("sound");
+    let mut unit = Unit::new(&Sampler { filter, ..Sampler::default() }, &case.memory.surface, bytes).expect("sound");
     let mut addresses = Addresses(Vec::new());
     unit.addresses(requests, &mut addresses);
     println!("{} requests", requests.len());
-    match subject.as_str() {
+    match subject {
         "hand-whole" => counted(|| yardstick::whole_path(requests, bytes, &mut texels)),
         "hand-sampling" => counted(|| yardstick::sampling(requests, bytes, &mut texels)),
+        "hand-bilinear" => counted(|| yardstick::bilinear(requests, bytes, &mut texels)),
         "hand-caching" => counted(|| yardstick::caching(requests)),
         "hand-cache" => counted(|| yardstick::cache_alone(&addresses.0)),
         "whole" => {
@@ -49,11 +80,17 @@ fn main() {
             counted(|| unit.run(requests, &mut responses, &mut cache));
         }
         "sampling" => counted(|| unit.run(requests, &mut responses, &mut ())),
-        "addresses" => counted(|| unit.addresses(requests, &mut ())),
+        "scalar-sampling" => {
+            let mut unit = unit.scalar();
+            counted(|| unit.run(requests, &mut responses, &mut ()));
+        }
+        // With somebody who looks, though at nothing.
+        "taps-and-texels" => counted(|| unit.run(requests, &mut responses, &mut Nothing)),
+        "addresses" => counted(|| unit.addresses(requests, &mut Nothing)),
         "cache" => {
             let mut cache = Cache::new(geometry, Policy::Lru).expect("64 x 4 x 64");
             counted(|| cache.access_all(&addresses.0, &mut ()));
         }
-        _ => panic!("name a subject: hand-whole hand-sampling hand-caching hand-cache whole whole-plain sampling addresses cache"),
+        _ => panic!("name a subject: {SUBJECTS}"),
     }
 }
