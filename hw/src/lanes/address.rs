@@ -112,14 +112,19 @@ impl Addresses {
         let same = _mm256_movemask_epi8(_mm256_cmpeq_epi32(plane, _mm256_set1_epi32(any))) == -1;
         match self.planes.entries().as_chunks::<ROW>().0.get(any as usize) {
             Some(row) if same => {
-                let [su, fu, lu, sv, fv, lv, ..] = row.map(|word| _mm256_set1_epi32(word.cast_signed()));
-                [Axis { size: su, first: fu, last: lu }, Axis { size: sv, first: fv, last: lv }]
+                let word = |number: usize| _mm256_set1_epi32(row[number].cast_signed());
+                [
+                    Axis { size: word(0), first: word(1), last: word(2) },
+                    Axis { size: word(3), first: word(4), last: word(5) },
+                ]
             }
             _ => {
                 let row = _mm256_slli_epi32::<{ ROW.trailing_zeros() as i32 }>(plane);
-                let [su, fu, lu, sv, fv, lv] = [0, 1, 2, 3, 4, 5]
-                    .map(|word| self.planes.gather(_mm256_add_epi32(row, _mm256_set1_epi32(word))));
-                [Axis { size: su, first: fu, last: lu }, Axis { size: sv, first: fv, last: lv }]
+                let word = |number| self.planes.gather(_mm256_add_epi32(row, _mm256_set1_epi32(number)));
+                [
+                    Axis { size: word(0), first: word(1), last: word(2) },
+                    Axis { size: word(3), first: word(4), last: word(5) },
+                ]
             }
         }
     }
@@ -162,10 +167,10 @@ impl Addresses {
         let fractions = _mm256_or_si256(taps.fractions[0], _mm256_slli_epi32::<16>(taps.fractions[1]));
         let rests = transposed(fractions, weight, plane, _mm256_setzero_si256());
         for (number, (corners, rest)) in corners.into_iter().zip(rests).enumerate() {
-            let [low, high] = [number, number + 4].map(|lane| lane * distance);
-            let corners = [_mm256_castsi256_si128(corners), _mm256_extracti128_si256::<1>(corners)];
-            store_footprint(&mut to[low], self.bytes(corners[0]), _mm256_castsi256_si128(rest));
-            store_footprint(&mut to[high], self.bytes(corners[1]), _mm256_extracti128_si256::<1>(rest));
+            let (low, high) = (number * distance, (number + 4) * distance);
+            store_footprint(&mut to[low], self.bytes(_mm256_castsi256_si128(corners)), _mm256_castsi256_si128(rest));
+            let (corners, rest) = (_mm256_extracti128_si256::<1>(corners), _mm256_extracti128_si256::<1>(rest));
+            store_footprint(&mut to[high], self.bytes(corners), rest);
         }
     }
 

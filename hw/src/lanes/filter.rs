@@ -9,7 +9,7 @@ use core::arch::x86_64::*;
 use super::{
     LANES,
     address::Taps,
-    room::Texels,
+    room::{Texels, load_addresses},
 };
 use crate::{address::Footprint, datapath::Texel};
 
@@ -123,8 +123,8 @@ pub(super) fn two(from: Sums, to: Sums, t: __m256i) -> __m256i {
 /// Texels of two pairs of taps each, both pairs weighing the same.
 #[inline]
 #[target_feature(enable = "avx2")]
-pub(super) fn mean_of_two(pairs: [(Sums, Sums, __m256i); 2]) -> __m256i {
-    let [mut channels, others] = pairs.map(|(from, to, t)| whole(between(from, to, t)));
+pub(super) fn mean_of_two([(a, b, t), (c, d, u)]: [(Sums, Sums, __m256i); 2]) -> __m256i {
+    let (mut channels, others) = (whole(between(a, b, t)), whole(between(c, d, u)));
     for (number, channel) in channels.iter_mut().enumerate() {
         // Half of the sum, without its carry.
         let (both, either) = (
@@ -137,13 +137,13 @@ pub(super) fn mean_of_two(pairs: [(Sums, Sums, __m256i); 2]) -> __m256i {
     packed(channels)
 }
 
-/// Texels of two pairs of taps each, `t` of 256 from one pair to the other.
+/// Texels of two pairs of taps each: the first weight within the pairs, the second from one pair to the other.
 #[inline]
 #[target_feature(enable = "avx2")]
-pub(super) fn four(pairs: [(Sums, Sums, __m256i); 2], t: __m256i) -> __m256i {
-    let [mut channels, others] = pairs.map(|(from, to, t)| whole(between(from, to, t)));
-    let t = spread(t);
-    let s = t.map(|t| _mm256_sub_epi32(_mm256_set1_epi32(256), t));
+pub(super) fn four([a, b, c, d]: [Sums; 4], [t, between_pairs]: [__m256i; 2]) -> __m256i {
+    let (mut channels, others) = (whole(between(a, b, t)), whole(between(c, d, t)));
+    let t = spread(between_pairs);
+    let s = spread(_mm256_sub_epi32(_mm256_set1_epi32(256), between_pairs));
     let half = _mm256_set1_epi64x(1 << 31);
     for (number, channel) in channels.iter_mut().enumerate() {
         let (s, t) = (s[HALF[number]], t[HALF[number]]);
@@ -175,10 +175,8 @@ fn whole(mut channels: [__m256i; 4]) -> [__m256i; 4] {
 fn corners(taps: &[Footprint; LANES]) -> [__m256i; 4] {
     // Footprints two by two: the low words of their addresses, and the high ones, which are 0 but for the marks of texels outside.
     let pair = |first: usize| {
-        let [a, b] = [&taps[first].address, &taps[first + 1].address].map(|address| {
-            let [c00, c10, c01, c11] = address.map(u64::cast_signed);
-            _mm256_castsi256_ps(_mm256_setr_epi64x(c00, c10, c01, c11))
-        });
+        let a = _mm256_castsi256_ps(load_addresses(&taps[first]));
+        let b = _mm256_castsi256_ps(load_addresses(&taps[first + 1]));
         let low = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(a, b));
         let high = _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(a, b));
         _mm256_castsi256_ps(_mm256_or_si256(_mm256_srli_epi32::<2>(low), high))
@@ -206,12 +204,12 @@ fn corners(taps: &[Footprint; LANES]) -> [__m256i; 4] {
 #[inline]
 #[target_feature(enable = "avx2")]
 fn sums_of(texels: Texels<'_>, taps: &[Footprint; LANES]) -> [__m256i; 4] {
-    let fraction = |axis: usize| {
-        let [a, b, c, d, e, f, g, h] = taps.each_ref().map(|tap| i32::from(tap.fraction[axis]));
-        _mm256_setr_epi32(a, b, c, d, e, f, g, h)
-    };
+    let [a, b, c, d, e, f, g, h] = taps;
+    let both = |tap: &Footprint| i32::from(tap.fraction[0]) | i32::from(tap.fraction[1]) << 16;
+    let both = _mm256_setr_epi32(both(a), both(b), both(c), both(d), both(e), both(f), both(g), both(h));
+    let fractions = [_mm256_and_si256(both, _mm256_set1_epi32(0xFFFF)), _mm256_srli_epi32::<16>(both)];
     let Sums([rb_low, rb_high, ga_low, ga_high]) =
-        bilinear(texels, &Taps { corners: corners(taps), fractions: [fraction(0), fraction(1)] });
+        bilinear(texels, &Taps { corners: corners(taps), fractions });
     let lack = _mm256_set1_epi32(LACK);
     [
         _mm256_add_epi32(_mm256_unpacklo_epi32(rb_low, ga_low), lack),

@@ -7,7 +7,7 @@ use super::{
     address::{Addresses, Taps},
     filter,
     level::{Logarithm, brilinear_weights},
-    room::{Table, Texels, store_responses},
+    room::{Table, Texels, load_head, store_responses},
 };
 use crate::{
     address::Footprint,
@@ -146,7 +146,7 @@ impl<'m> Kernel<'m> {
                 if let Some(responses) = responses {
                     let [a, b, c, d] = [sums(&taps[0]), sums(&taps[1]), sums(&taps[2]), sums(&taps[3])];
                     let texel = if ripmap {
-                        filter::four([(a, b, levels.t[0]), (c, d, levels.t[0])], levels.t[1])
+                        filter::four([a, b, c, d], levels.t)
                     } else {
                         filter::mean_of_two([(a, b, levels.t[0]), (c, d, levels.t[1])])
                     };
@@ -261,14 +261,8 @@ fn both(lod: __m256i) -> __m256i {
 #[inline]
 #[target_feature(enable = "avx2")]
 fn transposed(requests: &[Request; LANES]) -> ([__m256i; 2], [__m256i; 2]) {
-    // One load a half: the four are neighbours in a request.
-    let rows = |low: usize| {
-        let [low, high] = [&requests[low], &requests[low + 4]].map(|request| {
-            let [scale_u, scale_v] = request.scale.map(u32::cast_signed);
-            _mm_setr_epi32(request.u.to_bits(), request.v.to_bits(), scale_u, scale_v)
-        });
-        _mm256_set_m128i(high, low)
-    };
-    let [a, b, c, d] = super::address::transposed(rows(0), rows(1), rows(2), rows(3));
-    ([a, b], [c, d])
+    let [r0, r1, r2, r3, r4, r5, r6, r7] = requests;
+    let row = |low, high| _mm256_set_m128i(load_head(high), load_head(low));
+    let [u, v, scale_u, scale_v] = super::address::transposed(row(r0, r4), row(r1, r5), row(r2, r6), row(r3, r7));
+    ([u, v], [scale_u, scale_v])
 }

@@ -4,7 +4,7 @@
 //! nothing; a store takes a reference to exactly what it fills.
 #![allow(unsafe_code)]
 
-use core::arch::x86_64::*;
+use core::{arch::x86_64::*, mem::offset_of};
 
 use alloc::vec::Vec;
 
@@ -135,7 +135,24 @@ impl<'m> Texels<'m> {
     }
 }
 
-// The stores below write these as words.
+/// The first four words of a request: coordinates and scales.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(super) fn load_head(request: &Request) -> __m128i {
+    // SAFETY: 16 bytes of a request, which is `repr(C)`, all of them integers of four; the load needs no alignment.
+    unsafe { _mm_loadu_si128(core::ptr::from_ref(request).cast()) }
+}
+
+/// The four addresses of a footprint.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(super) fn load_addresses(footprint: &Footprint) -> __m256i {
+    // SAFETY: 32 bytes of an array of four words of 64 bits; the load needs no alignment.
+    unsafe { _mm256_loadu_si256(footprint.address.as_ptr().cast()) }
+}
+
+// The loads above and the stores below take these as words.
+const _: () = assert!(offset_of!(Request, u) == 0 && offset_of!(Request, v) == 4 && offset_of!(Request, scale) == 8);
 const _: () = assert!(size_of::<Response>() == 8 && size_of::<Footprint>() == 48);
 
 /// Fills eight responses: the texel, and the two levels as the halves of a word.
