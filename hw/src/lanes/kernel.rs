@@ -44,6 +44,17 @@ struct Levels {
     lod: __m256i,
 }
 
+/// Eight requests between the address unit and the datapath.
+#[derive(Clone, Copy)]
+struct Made {
+    taps: [Taps; 4],
+    levels: Levels,
+}
+
+/// Requests made before the first is filtered, in eights. Addresses and filters are loops of their own: each is short enough for the host
+/// to work on two turns at a time, and needs no more registers than it has.
+const STAGE: usize = 8;
+
 impl<'m> Kernel<'m> {
     pub(super) fn new(sampler: &Sampler, unit: &TapUnit, bytes: &'m [u8]) -> Option<Self> {
         Some(Self {
@@ -68,102 +79,114 @@ impl<'m> Kernel<'m> {
     /// # Panics
     /// If there is not room for the taps.
     #[target_feature(enable = "avx2")]
-    pub(super) fn eights<const ANSWER: bool, const WRITE: bool>(
+    pub(super) fn run<const ANSWER: bool, const WRITE: bool>(
         &self,
         requests: &[[Request; LANES]],
         responses: &mut [[Response; LANES]],
         footprints: &mut [Footprint],
     ) {
-        let mut responses = responses.iter_mut();
-        let mut footprints = footprints.chunks_exact_mut(LANES * self.taps());
-        for requests in requests {
-            let responses = if ANSWER { responses.next() } else { None };
-            let footprints = if WRITE { footprints.next().expect("room for the taps") } else { Default::default() };
-            self.eight::<WRITE>(requests, responses, footprints);
+        // A loop a filter: its taps and weights stay in registers.
+        macro_rules! eights {
+            ($($filter:ident)*) => {
+                match self.filter {
+                    $(Filter::$filter => {
+                        self.eights::<{ Filter::$filter as u8 }, ANSWER, WRITE>(requests, responses, footprints);
+                    })*
+                    _ => unreachable!("no kernel is made for filters of many taps"),
+                }
+            };
         }
+        eights!(Point Bilinear NearestMip Trilinear Brilinear MipDouble Dipmap DipmapTrilinear Ripmap);
     }
 
-    /// Taps of a request.
-    pub(super) const fn taps(&self) -> usize {
-        match self.filter {
-            Filter::Point | Filter::Bilinear | Filter::NearestMip => 1,
-            Filter::DipmapTrilinear | Filter::Ripmap => 4,
-            _ => 2,
-        }
-    }
-
-    #[inline]
     #[target_feature(enable = "avx2")]
-    fn eight<const WRITE: bool>(
+    fn eights<const FILTER: u8, const ANSWER: bool, const WRITE: bool>(
         &self,
-        requests: &[Request; LANES],
-        responses: Option<&mut [Response; LANES]>,
+        requests: &[[Request; LANES]],
+        responses: &mut [[Response; LANES]],
         footprints: &mut [Footprint],
     ) {
-        let (at, scale) = transposed(requests);
-        let levels = self.levels(scale);
-        let distance = self.taps();
-        let tap = |number: usize| self.addresses.bilinear(levels.planes[number], at);
-        let s = |number: usize| _mm256_sub_epi32(_mm256_set1_epi32(256), levels.t[number]);
-        let sums = |taps: &Taps| filter::bilinear(self.texels, taps);
-        let mut write = |number: usize, taps: &Taps, weight: __m256i| {
+        let nothing = _mm256_setzero_si256();
+        let levels = Levels { planes: [nothing; 4], t: [nothing; 2], lod: nothing };
+        let mut stage = [Made { taps: [Taps { corners: [nothing; 4], fractions: [nothing; 2] }; 4], levels }; STAGE];
+        let mut responses = responses.iter_mut();
+        let mut footprints = footprints.chunks_exact_mut(LANES * taps_of(FILTER));
+        for requests in requests.chunks(STAGE) {
+            let stage = &mut stage[..requests.len()];
+            for (requests, made) in requests.iter().zip(&mut *stage) {
+                self.make::<FILTER>(requests, made);
+            }
             if WRITE {
-                self.addresses.write(taps, weight, levels.planes[number], &mut footprints[number..], distance);
+                for (made, footprints) in stage.iter().zip(&mut footprints) {
+                    self.write::<FILTER>(made, footprints);
+                }
             }
-        };
+            if ANSWER {
+                for (made, responses) in stage.iter().zip(&mut responses) {
+                    store_responses(responses, self.filter::<FILTER>(made), made.levels.lod);
+                }
+            }
+        }
+    }
+
+    /// The address unit.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn make<const FILTER: u8>(&self, requests: &[Request; LANES], made: &mut Made) {
+        let (at, scale) = transposed(requests);
+        made.levels = self.levels::<FILTER>(scale);
+        if FILTER == Filter::Point as u8 {
+            made.taps[0].corners[0] = self.addresses.point(made.levels.planes[0], at);
+            return;
+        }
+        for (tap, plane) in made.taps.iter_mut().zip(made.levels.planes).take(taps_of(FILTER)) {
+            *tap = self.addresses.bilinear(plane, at);
+        }
+    }
+
+    /// Writes taps as the scalar unit does.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn write<const FILTER: u8>(&self, made: &Made, footprints: &mut [Footprint]) {
+        let Levels { planes, t, .. } = made.levels;
         let one = _mm256_set1_epi32(1);
-        match self.filter {
-            Filter::Point => {
-                let nothing = _mm256_setzero_si256();
-                let index = self.addresses.point(nothing, at);
-                write(0, &Taps { corners: [index, nothing, nothing, nothing], fractions: [nothing; 2] }, one);
-                if let Some(responses) = responses {
-                    store_responses(responses, self.texels.gather(index), levels.lod);
-                }
-            }
-            Filter::Bilinear | Filter::NearestMip => {
-                let tap = tap(0);
-                write(0, &tap, one);
-                if let Some(responses) = responses {
-                    store_responses(responses, filter::one(sums(&tap)), levels.lod);
-                }
-            }
-            Filter::DipmapTrilinear | Filter::Ripmap => {
-                let taps = [tap(0), tap(1), tap(2), tap(3)];
-                let ripmap = self.filter == Filter::Ripmap;
-                if WRITE {
-                    let weights = if ripmap {
-                        let product = |v, u| _mm256_mullo_epi32(v, u);
-                        let (su, tu, sv, tv) = (s(0), levels.t[0], s(1), levels.t[1]);
-                        [product(sv, su), product(sv, tu), product(tv, su), product(tv, tu)]
-                    } else {
-                        [s(0), levels.t[0], s(1), levels.t[1]]
-                    };
-                    for (number, weight) in weights.into_iter().enumerate() {
-                        write(number, &taps[number], weight);
-                    }
-                }
-                if let Some(responses) = responses {
-                    let [a, b, c, d] = [sums(&taps[0]), sums(&taps[1]), sums(&taps[2]), sums(&taps[3])];
-                    let texel = if ripmap {
-                        filter::four([a, b, c, d], levels.t)
-                    } else {
-                        filter::mean_of_two([(a, b, levels.t[0]), (c, d, levels.t[1])])
-                    };
-                    store_responses(responses, texel, levels.lod);
-                }
-            }
+        let whole = _mm256_set1_epi32(256);
+        let (s, s_between) = (_mm256_sub_epi32(whole, t[0]), _mm256_sub_epi32(whole, t[1]));
+        let weights = match FILTER {
+            _ if FILTER == Filter::Trilinear as u8 || FILTER == Filter::Brilinear as u8 => [s, t[0], one, one],
+            _ if FILTER == Filter::DipmapTrilinear as u8 => [s, t[0], s_between, t[1]],
+            _ if FILTER == Filter::Ripmap as u8 => [
+                _mm256_mullo_epi32(s_between, s),
+                _mm256_mullo_epi32(s_between, t[0]),
+                _mm256_mullo_epi32(t[1], s),
+                _mm256_mullo_epi32(t[1], t[0]),
+            ],
+            _ => [one; 4],
+        };
+        let taps = taps_of(FILTER);
+        for number in 0..taps {
+            self.addresses.write(&made.taps[number], weights[number], planes[number], &mut footprints[number..], taps);
+        }
+    }
+
+    /// The datapath.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn filter<const FILTER: u8>(&self, made: &Made) -> __m256i {
+        let Made { taps: [a, b, c, d], levels: Levels { t, .. } } = made;
+        if FILTER == Filter::Point as u8 {
+            return self.texels.gather(a.corners[0]);
+        }
+        match taps_of(FILTER) {
+            1 => filter::one(filter::bilinear(self.texels, a)),
+            2 => filter::two(filter::bilinear(self.texels, a), filter::bilinear(self.texels, b), t[0]),
             _ => {
-                let taps = [tap(0), tap(1)];
-                if WRITE {
-                    let halves = matches!(self.filter, Filter::MipDouble | Filter::Dipmap);
-                    let weights = if halves { [one; 2] } else { [s(0), levels.t[0]] };
-                    write(0, &taps[0], weights[0]);
-                    write(1, &taps[1], weights[1]);
-                }
-                if let Some(responses) = responses {
-                    let texel = filter::two(sums(&taps[0]), sums(&taps[1]), levels.t[0]);
-                    store_responses(responses, texel, levels.lod);
+                let a = (filter::bilinear(self.texels, a), filter::bilinear(self.texels, b));
+                let b = (filter::bilinear(self.texels, c), filter::bilinear(self.texels, d));
+                if FILTER == Filter::Ripmap as u8 {
+                    filter::four([a.0, a.1, b.0, b.1], *t)
+                } else {
+                    filter::mean_of_two([(a.0, a.1, t[0]), (b.0, b.1, t[1])])
                 }
             }
         }
@@ -172,50 +195,50 @@ impl<'m> Kernel<'m> {
     /// The filter's program (see `taps`), as far as the planes and weights.
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn levels(&self, [scale_u, scale_v]: [__m256i; 2]) -> Levels {
+    fn levels<const FILTER: u8>(&self, [scale_u, scale_v]: [__m256i; 2]) -> Levels {
         let nothing = _mm256_setzero_si256();
         let mut levels = Levels { planes: [nothing; 4], t: [nothing; 2], lod: nothing };
         let half = _mm256_set1_epi32(128);
-        match self.filter {
-            Filter::NearestMip => {
+        match FILTER {
+            _ if FILTER == Filter::NearestMip as u8 => {
                 let level = self.chain.whole_lanes(self.logarithm.raw(scale_u), self.level_rounding);
                 levels.planes[0] = level;
                 levels.lod = both(_mm256_slli_epi32::<8>(level));
             }
-            Filter::Trilinear => {
+            _ if FILTER == Filter::Trilinear as u8 => {
                 let split = self.chain.split_lanes(self.logarithm.raw(scale_u));
                 levels.planes = [split.level, split.coarser, nothing, nothing];
                 levels.t[0] = split.t;
                 levels.lod = both(split.lod);
             }
-            Filter::Brilinear => {
+            _ if FILTER == Filter::Brilinear as u8 => {
                 let split = self.chain.split_lanes(self.logarithm.raw(scale_u));
                 levels.planes = [split.level, split.coarser, nothing, nothing];
                 levels.t[0] = self.brilinear.gather(split.t);
                 levels.lod = both(_mm256_add_epi32(_mm256_slli_epi32::<8>(split.level), levels.t[0]));
             }
-            Filter::MipDouble => {
+            _ if FILTER == Filter::MipDouble as u8 => {
                 let u = self.chain.whole_lanes(self.logarithm.raw(scale_u), 0);
                 let v = self.chain.whole_lanes(self.logarithm.raw(scale_v), 0);
                 levels.planes = [u, v, nothing, nothing];
                 levels.t[0] = half;
                 levels.lod = pair(_mm256_slli_epi32::<8>(u), _mm256_slli_epi32::<8>(v));
             }
-            Filter::Dipmap => {
+            _ if FILTER == Filter::Dipmap as u8 => {
                 let u = self.axes[0].whole_lanes(self.logarithm.raw(scale_u), 0);
                 let v = self.axes[1].whole_lanes(self.logarithm.raw(scale_v), 0);
                 levels.planes = [u, self.row_plane(v), nothing, nothing];
                 levels.t[0] = half;
                 levels.lod = pair(_mm256_slli_epi32::<8>(u), _mm256_slli_epi32::<8>(v));
             }
-            Filter::DipmapTrilinear => {
+            _ if FILTER == Filter::DipmapTrilinear as u8 => {
                 let u = self.axes[0].split_lanes(self.logarithm.raw(scale_u));
                 let v = self.axes[1].split_lanes(self.logarithm.raw(scale_v));
                 levels.planes = [u.level, u.coarser, self.row_plane(v.level), self.row_plane(v.coarser)];
                 levels.t = [u.t, v.t];
                 levels.lod = pair(u.lod, v.lod);
             }
-            Filter::Ripmap => {
+            _ if FILTER == Filter::Ripmap as u8 => {
                 let u = self.axes[0].split_lanes(self.logarithm.raw(scale_u));
                 let v = self.axes[1].split_lanes(self.logarithm.raw(scale_v));
                 let planes_of_row = _mm256_set1_epi32(self.row_planes + 1);
@@ -240,6 +263,19 @@ impl<'m> Kernel<'m> {
     fn row_plane(&self, lv: __m256i) -> __m256i {
         let beyond = _mm256_cmpgt_epi32(lv, _mm256_setzero_si256());
         _mm256_add_epi32(lv, _mm256_and_si256(beyond, _mm256_set1_epi32(self.row_planes)))
+    }
+}
+
+/// Taps of a request of a filter.
+const fn taps_of(filter: u8) -> usize {
+    const ONE: [u8; 3] = [Filter::Point as u8, Filter::Bilinear as u8, Filter::NearestMip as u8];
+    const FOUR: [u8; 2] = [Filter::DipmapTrilinear as u8, Filter::Ripmap as u8];
+    if filter == ONE[0] || filter == ONE[1] || filter == ONE[2] {
+        1
+    } else if filter == FOUR[0] || filter == FOUR[1] {
+        4
+    } else {
+        2
     }
 }
 

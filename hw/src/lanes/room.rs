@@ -27,7 +27,7 @@ impl Avx2 {
         avx2::get().then_some(Self(()))
     }
 
-    /// Runs the kernel; see [`Kernel::eights`].
+    /// Runs the kernel; see [`Kernel::run`].
     #[inline]
     pub(super) fn run<const ANSWER: bool, const WRITE: bool>(
         self,
@@ -37,7 +37,7 @@ impl Avx2 {
         footprints: &mut [Footprint],
     ) {
         // SAFETY: it is unsafe to call only where there is no AVX2, and `self` is the proof that there is.
-        unsafe { kernel.eights::<ANSWER, WRITE>(requests, responses, footprints) }
+        unsafe { kernel.run::<ANSWER, WRITE>(requests, responses, footprints) }
     }
 
     /// Filters taps; see [`filter::of_footprints`].
