@@ -4,7 +4,10 @@ use core::arch::x86_64::*;
 
 use alloc::vec::Vec;
 
-use super::room::{Table, store_footprint};
+use super::{
+    LANES,
+    room::{Table, store_footprint},
+};
 use crate::{
     address::{AddressUnit, FIRST_INDEX, Footprint, OUTSIDE},
     coordinate::COORDINATE_BITS,
@@ -158,19 +161,27 @@ impl Addresses {
         (index, _mm256_and_si256(fraction, _mm256_set1_epi32(255)))
     }
 
-    /// Writes eight taps as footprints, `distance` from one to the next.
+    /// Writes the tap of each of eight requests as the one of its footprints with this number.
     #[inline]
     #[target_feature(enable = "avx2")]
-    pub(super) fn write(&self, taps: &Taps, weight: __m256i, plane: __m256i, to: &mut [Footprint], distance: usize) {
+    pub(super) fn write<const TAPS: usize>(
+        &self,
+        taps: &Taps,
+        weight: __m256i,
+        plane: __m256i,
+        number: usize,
+        to: &mut [[Footprint; TAPS]; LANES],
+    ) {
         let [c00, c10, c01, c11] = taps.corners;
         let corners = transposed(c00, c10, c01, c11);
         let fractions = _mm256_or_si256(taps.fractions[0], _mm256_slli_epi32::<16>(taps.fractions[1]));
         let rests = transposed(fractions, weight, plane, _mm256_setzero_si256());
-        for (number, (corners, rest)) in corners.into_iter().zip(rests).enumerate() {
-            let (low, high) = (number * distance, (number + 4) * distance);
-            store_footprint(&mut to[low], self.bytes(_mm256_castsi256_si128(corners)), _mm256_castsi256_si128(rest));
-            let (corners, rest) = (_mm256_extracti128_si256::<1>(corners), _mm256_extracti128_si256::<1>(rest));
-            store_footprint(&mut to[high], self.bytes(corners), rest);
+        for lane in 0..LANES / 2 {
+            let (corners, rest) = (corners[lane], rests[lane]);
+            let low = self.bytes(_mm256_castsi256_si128(corners));
+            store_footprint(&mut to[lane][number], low, _mm256_castsi256_si128(rest));
+            let high = self.bytes(_mm256_extracti128_si256::<1>(corners));
+            store_footprint(&mut to[lane + 4][number], high, _mm256_extracti128_si256::<1>(rest));
         }
     }
 

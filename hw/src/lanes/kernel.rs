@@ -163,9 +163,20 @@ impl<'m> Kernel<'m> {
             ],
             _ => [one; 4],
         };
-        let taps = taps_of(FILTER);
-        for number in 0..taps {
-            self.addresses.write(&made.taps[number], weights[number], planes[number], &mut footprints[number..], taps);
+        match taps_of(FILTER) {
+            1 => self.write_taps::<1>(made, &weights, footprints),
+            2 => self.write_taps::<2>(made, &weights, footprints),
+            _ => self.write_taps::<4>(made, &weights, footprints),
+        }
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn write_taps<const TAPS: usize>(&self, made: &Made, weights: &[__m256i; 4], footprints: &mut [Footprint]) {
+        let Some(footprints) = footprints.as_chunks_mut::<TAPS>().0.first_chunk_mut::<LANES>() else { return };
+        for number in 0..TAPS {
+            let (taps, weight, plane) = (&made.taps[number], weights[number], made.levels.planes[number]);
+            self.addresses.write(taps, weight, plane, number, footprints);
         }
     }
 
