@@ -8,7 +8,7 @@ use alloc::{vec, vec::Vec};
 use crate::{
     address::{Footprint, is_outside},
     datapath::{TexelSource, filter, filter_packed},
-    lanes::{LANES, Lanes},
+    lanes::Lanes,
     memory::with_source,
     request::{Request, Response},
     sampler::{Filter, Rounding, Sampler, SamplerError},
@@ -184,10 +184,19 @@ impl<'m> Unit<'m> {
         Self { lanes: None, ..self }
     }
 
-    /// Requests, or taps, that this machine filters at a time: 1 where its lanes do not serve (see [`Self::scalar`]).
+    /// The same unit in eight lanes at most: what machines without AVX-512 have.
+    #[must_use]
+    pub fn eight_lanes(self) -> Self {
+        Self { lanes: self.lanes.map(Lanes::eight), ..self }
+    }
+
+    /// Requests that this machine answers at a time: 1 where its lanes do not serve (see [`Self::scalar`]).
     #[must_use]
     pub const fn lanes(&self) -> usize {
-        if self.lanes.is_some() { LANES } else { 1 }
+        match &self.lanes {
+            Some(lanes) => lanes.lanes(),
+            None => 1,
+        }
     }
 
     /// Answers requests; `sink` sees every tap on the way.

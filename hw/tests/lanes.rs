@@ -90,7 +90,8 @@ fn sampler() -> impl Strategy<Value = Sampler> {
     ];
     let level_rounding = prop::sample::select(vec![LevelRounding::Floor, LevelRounding::Nearest, LevelRounding::Gl]);
     let lod_source = prop_oneof![3 => Just(LodSource::Gradient), 1 => Just(LodSource::Explicit)];
-    let levels = (-(16i16 << 8)..=16 << 8, prop_oneof![Just(0), 0..=32i32 << 8], prop_oneof![Just(32 << 8), 0..=32i32 << 8]);
+    let levels =
+        (-(16i16 << 8)..=16 << 8, prop_oneof![Just(0), 0..=32i32 << 8], prop_oneof![Just(32 << 8), 0..=32i32 << 8]);
     let bias = prop_oneof![Just(true), Just(false)];
     (log2, level_rounding, lod_source, levels, bias, 0u8..=8, 0u8..=127, 1u8..=64).prop_map(
         |(log2, level_rounding, lod_source, (most, min_lod, max_lod), bias, lod_bits, threshold, probes)| Sampler {
@@ -126,25 +127,28 @@ fn draw<S: Strategy>(runner: &mut TestRunner, strategy: &S) -> S::Value {
 /// Compares the two units on requests, with and without somebody to look at the taps.
 fn compare(sampler: &Sampler, surface: &Surface, bytes: &[u8], requests: &[Request]) {
     let told = || format!("{sampler:?}\n{:?} {:?}", surface.layout, surface.planes[0].size());
-    let mut lanes = Unit::new(sampler, surface, bytes).expect("a sound unit");
+    let lanes = Unit::new(sampler, surface, bytes).expect("a sound unit");
     let mut scalar = lanes.clone().scalar();
     assert_eq!(scalar.lanes(), 1);
     let mut right = vec![Response::default(); requests.len()];
     let mut right_taps = Taps::default();
     scalar.run(requests, &mut right, &mut right_taps);
 
-    let mut seen = (vec![Response::default(); requests.len()], Taps::default());
-    lanes.run(requests, &mut seen.0, &mut seen.1);
-    let mut unseen = vec![Response::default(); requests.len()];
-    lanes.run(requests, &mut unseen, &mut ());
-    let mut addresses = Taps::default();
-    lanes.addresses(requests, &mut addresses);
-    for (number, request) in requests.iter().enumerate() {
-        assert_eq!(seen.0[number], right[number], "seen, request {number}: {request:?}\n{}", told());
-        assert_eq!(unseen[number], right[number], "unseen, request {number}: {request:?}\n{}", told());
+    for mut lanes in [lanes.clone().eight_lanes(), lanes] {
+        let mut seen = (vec![Response::default(); requests.len()], Taps::default());
+        lanes.run(requests, &mut seen.0, &mut seen.1);
+        let mut unseen = vec![Response::default(); requests.len()];
+        lanes.run(requests, &mut unseen, &mut ());
+        let mut addresses = Taps::default();
+        lanes.addresses(requests, &mut addresses);
+        let told = || format!("{} lanes, {}", lanes.lanes(), told());
+        for (number, request) in requests.iter().enumerate() {
+            assert_eq!(seen.0[number], right[number], "seen, request {number}: {request:?}\n{}", told());
+            assert_eq!(unseen[number], right[number], "unseen, request {number}: {request:?}\n{}", told());
+        }
+        assert!(seen.1 == right_taps, "taps of a run\n{}", told());
+        assert!(addresses == right_taps, "taps alone\n{}", told());
     }
-    assert!(seen.1 == right_taps, "taps of a run\n{}", told());
-    assert!(addresses == right_taps, "taps alone\n{}", told());
 }
 
 #[test]
@@ -159,8 +163,8 @@ fn lanes_are_the_scalar_unit_for_every_filter_address_mode_layout_and_size() {
                 for u in MODES {
                     for v in MODES {
                         let sampler = Sampler { filter, address: [u, v], ..draw(&mut runner, &sampler) };
-                        // Eights, and a rest that fills none.
-                        let requests: Vec<Request> = (0..8 * 4 + 3).map(|_| draw(&mut runner, &request)).collect();
+                        // Sixteen lanes twice, eight once, and a rest that fills none.
+                        let requests: Vec<Request> = (0..32 + 8 + 3).map(|_| draw(&mut runner, &request)).collect();
                         compare(&sampler, &surface, &bytes, &requests);
                     }
                 }
@@ -188,10 +192,12 @@ fn neighbours_that_share_a_plane_are_answered_as_if_alone() {
 
 #[test]
 fn every_mantissa_boundary_of_the_logarithm_is_where_the_scalar_unit_has_it() {
-    let surface = Surface::new(Filter::Trilinear.pyramid(), Layout::RowMajor, Format::Rgba8, 512, 512).expect("a surface");
+    let surface =
+        Surface::new(Filter::Trilinear.pyramid(), Layout::RowMajor, Format::Rgba8, 512, 512).expect("a surface");
     let bytes = bytes(&surface);
     let sampler = Sampler::default();
-    let boundaries = (1..=128).map(|k| (2f64.powf(f64::from(2 * k - 1) / 256.0) * f64::from(1 << 23)) as u32 - (1 << 23));
+    let boundaries =
+        (1..=128).map(|k| (2f64.powf(f64::from(2 * k - 1) / 256.0) * f64::from(1 << 23)) as u32 - (1 << 23));
     let requests: Vec<Request> = boundaries
         .flat_map(|mantissa| (mantissa.saturating_sub(3)..mantissa + 4).map(|mantissa| mantissa.min((1 << 23) - 1)))
         .flat_map(|mantissa| [0u32, 1, 126, 127, 128, 131, 254, 255].map(|exponent| exponent << 23 | mantissa))
@@ -202,14 +208,21 @@ fn every_mantissa_boundary_of_the_logarithm_is_where_the_scalar_unit_has_it() {
 
 #[test]
 fn lanes_serve_the_common_case_where_the_machine_has_them() {
-    let surface = Surface::new(Filter::Trilinear.pyramid(), Layout::default(), Format::Rgba8, 64, 64).expect("a surface");
+    let surface =
+        Surface::new(Filter::Trilinear.pyramid(), Layout::default(), Format::Rgba8, 64, 64).expect("a surface");
     let bytes = bytes(&surface);
     let lanes = |sampler: &Sampler| Unit::new(sampler, &surface, &bytes).expect("a unit").lanes();
     #[cfg(target_arch = "x86_64")]
-    let machine = if std::arch::is_x86_feature_detected!("avx2") { 8 } else { 1 };
+    let machine = match () {
+        () if std::arch::is_x86_feature_detected!("avx512bw") => 16,
+        () if std::arch::is_x86_feature_detected!("avx2") => 8,
+        () => 1,
+    };
     #[cfg(not(target_arch = "x86_64"))]
     let machine = 1;
     assert_eq!(lanes(&Sampler::default()), machine);
+    let eight = Unit::new(&Sampler::default(), &surface, &bytes).expect("a unit").eight_lanes();
+    assert_eq!(eight.lanes(), machine.min(8));
     assert_eq!(lanes(&Sampler { filter_bits: 7, ..Sampler::default() }), 1);
     assert_eq!(lanes(&Sampler { rounding: Rounding::StagedRound, ..Sampler::default() }), 1);
 }

@@ -1,12 +1,12 @@
-//! The address unit in eight lanes (see `address`): the same tables, in words of 32 bits that count texels.
+//! The address unit in lanes (see `address`): the same tables, in words of 32 bits that count texels.
 
-use core::arch::x86_64::*;
+use core::arch::x86_64::__m256i;
 
 use alloc::vec::Vec;
 
 use super::{
-    LANES,
-    room::{Table, store_footprint},
+    machine::{Machine, transposed},
+    room::{Avx2, Table},
 };
 use crate::{
     address::{AddressUnit, FIRST_INDEX, Footprint, OUTSIDE},
@@ -26,7 +26,7 @@ const LARGEST_SIDE: u32 = 1 << 19;
 /// Words of a row of `AddressUnit::planes`: side, first entry and last lower index of u, the same of v, two to spare.
 const ROW: usize = 8;
 
-/// Where texels lie, for eight taps at a time.
+/// Where texels lie, for a tap a lane at a time.
 #[derive(Clone, Debug)]
 pub(super) struct Addresses {
     entries: Table,
@@ -40,13 +40,13 @@ pub(super) struct Addresses {
     clips: bool,
 }
 
-/// Eight taps: the texels' indices in memory, and the fractions.
+/// A tap a lane: the texels' indices in memory, and the fractions.
 #[derive(Clone, Copy)]
-pub(super) struct Taps {
+pub(super) struct Taps<M: Machine> {
     /// Texels (i0, j0), (i1, j0), (i0, j1), (i1, j1).
-    pub(super) corners: [__m256i; 4],
+    pub(super) corners: [M::Words; 4],
     /// Of u and v, of 256.
-    pub(super) fractions: [__m256i; 2],
+    pub(super) fractions: [M::Words; 2],
 }
 
 impl Addresses {
@@ -79,147 +79,145 @@ impl Addresses {
     }
 
     /// Bilinear taps at 12.20 coordinates.
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    pub(super) fn bilinear(&self, plane: __m256i, [u, v]: [__m256i; 2]) -> Taps {
-        let [along, down] = self.axes_of(plane);
-        let ([left, right], fraction_u) = self.pair(0, &along, u);
-        let ([top, bottom], fraction_v) = self.pair(1, &down, v);
-        let corners = [
-            _mm256_add_epi32(left, top),
-            _mm256_add_epi32(right, top),
-            _mm256_add_epi32(left, bottom),
-            _mm256_add_epi32(right, bottom),
-        ];
+    #[inline(always)]
+    pub(super) fn bilinear<M: Machine>(&self, m: M, plane: M::Words, [u, v]: [M::Words; 2]) -> Taps<M> {
+        let [along, down] = self.axes_of(m, plane);
+        let ([left, right], fraction_u) = self.pair(m, 0, &along, u);
+        let ([top, bottom], fraction_v) = self.pair(m, 1, &down, v);
+        let corners = [m.add(left, top), m.add(right, top), m.add(left, bottom), m.add(right, bottom)];
         Taps { corners, fractions: [fraction_u, fraction_v] }
     }
 
     /// Point taps: their only texels, in the place of the first.
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    pub(super) fn point(&self, plane: __m256i, [u, v]: [__m256i; 2]) -> __m256i {
-        let [along, down] = self.axes_of(plane);
-        let entry = |axis: usize, of_plane: &Axis, coordinate| {
-            let (index, _) = self.lower(axis, of_plane, coordinate, 0);
-            self.entries.gather(_mm256_add_epi32(index, of_plane.first))
-        };
-        _mm256_add_epi32(entry(0, &along, u), entry(1, &down, v))
+    #[inline(always)]
+    pub(super) fn point<M: Machine>(&self, m: M, plane: M::Words, [u, v]: [M::Words; 2]) -> M::Words {
+        let [along, down] = self.axes_of(m, plane);
+        let (column, _) = self.lower(m, 0, &along, u, 0);
+        let (row, _) = self.lower(m, 1, &down, v, 0);
+        m.add(m.gather(&self.entries, m.add(column, along.first)), m.gather(&self.entries, m.add(row, down.first)))
     }
 
-    /// What the planes of eight taps have by way of axes.
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    fn axes_of(&self, plane: __m256i) -> [Axis; 2] {
+    /// What the planes of taps have by way of axes.
+    #[inline(always)]
+    fn axes_of<M: Machine>(&self, m: M, plane: M::Words) -> [Axis<M>; 2] {
         // Neighbours mostly take the same plane: then its row is read once for all.
-        let any = _mm_cvtsi128_si32(_mm256_castsi256_si128(plane));
-        let same = _mm256_movemask_epi8(_mm256_cmpeq_epi32(plane, _mm256_set1_epi32(any))) == -1;
-        match self.planes.entries().as_chunks::<ROW>().0.get(any as usize) {
-            Some(row) if same => {
-                let word = |number: usize| _mm256_set1_epi32(row[number].cast_signed());
-                [
-                    Axis { size: word(0), first: word(1), last: word(2) },
-                    Axis { size: word(3), first: word(4), last: word(5) },
-                ]
-            }
-            _ => {
-                let row = _mm256_slli_epi32::<{ ROW.trailing_zeros() as i32 }>(plane);
-                let word = |number| self.planes.gather(_mm256_add_epi32(row, _mm256_set1_epi32(number)));
-                [
-                    Axis { size: word(0), first: word(1), last: word(2) },
-                    Axis { size: word(3), first: word(4), last: word(5) },
-                ]
-            }
+        if let Some(plane) = m.common(plane)
+            && let Some(row) = self.planes.entries().as_chunks::<ROW>().0.get(plane as usize)
+        {
+            let [size_u, first_u, last_u, size_v, first_v, last_v, ..] = row;
+            [Axis::common(m, size_u, first_u, last_u), Axis::common(m, size_v, first_v, last_v)]
+        } else {
+            let row = m.shl(plane, ROW.trailing_zeros() as i32);
+            [Axis::gathered(m, &self.planes, row, 0), Axis::gathered(m, &self.planes, row, 3)]
         }
     }
 
     /// The table's words for two neighbouring texels, and the fraction.
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    fn pair(&self, axis: usize, of_plane: &Axis, coordinate: __m256i) -> ([__m256i; 2], __m256i) {
-        let (lower, fraction) = self.lower(axis, of_plane, coordinate, 1 << (COORDINATE_BITS - 1));
-        (self.entries.gather_pairs(_mm256_add_epi32(lower, of_plane.first)), fraction)
+    #[inline(always)]
+    fn pair<M: Machine>(
+        &self,
+        m: M,
+        axis: usize,
+        of_plane: &Axis<M>,
+        coordinate: M::Words,
+    ) -> ([M::Words; 2], M::Words) {
+        let (lower, fraction) = self.lower(m, axis, of_plane, coordinate, 1 << (COORDINATE_BITS - 1));
+        (m.gather_pairs(&self.entries, m.add(lower, of_plane.first)), fraction)
     }
 
     /// The index that a coordinate less `offset` has, saturated, and 8 bits of fraction.
     ///
     /// The product is of 64 bits: those of the even lanes and those of the odd lanes apart.
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    fn lower(&self, axis: usize, of_plane: &Axis, coordinate: __m256i, offset: i64) -> (__m256i, __m256i) {
-        let kept = _mm256_and_si256(coordinate, _mm256_set1_epi32(self.masks[axis]));
-        let offset = _mm256_set1_epi64x(offset);
-        let even = _mm256_sub_epi64(_mm256_mul_epi32(kept, of_plane.size), offset);
-        let odd = _mm256_mul_epi32(_mm256_srli_epi64::<32>(kept), _mm256_srli_epi64::<32>(of_plane.size));
-        let odd = _mm256_sub_epi64(odd, offset);
-        // Bits 20 to 51 of each product, then bits 12 to 19.
-        let mut index = _mm256_blend_epi32::<0b1010_1010>(_mm256_srli_epi64::<20>(even), _mm256_slli_epi64::<12>(odd));
-        let fraction = _mm256_blend_epi32::<0b1010_1010>(_mm256_srli_epi64::<12>(even), _mm256_slli_epi64::<20>(odd));
-        if self.saturates[axis] {
-            let first = _mm256_set1_epi32(FIRST_INDEX as i32);
-            index = _mm256_min_epi32(_mm256_max_epi32(index, first), of_plane.last);
-        }
-        (index, _mm256_and_si256(fraction, _mm256_set1_epi32(255)))
-    }
-
-    /// Writes the tap of each of eight requests as the one of its footprints with this number.
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    pub(super) fn write<const TAPS: usize>(
+    #[inline(always)]
+    fn lower<M: Machine>(
         &self,
-        taps: &Taps,
-        weight: __m256i,
-        plane: __m256i,
+        m: M,
+        axis: usize,
+        of_plane: &Axis<M>,
+        coordinate: M::Words,
+        offset: i64,
+    ) -> (M::Words, M::Words) {
+        let kept = m.and(coordinate, m.splat(self.masks[axis]));
+        let offset = m.splat64(offset);
+        let even = m.sub64(m.mul_even(kept, of_plane.size), offset);
+        let odd = m.mul_even(m.shr64(kept, 32), m.shr64(of_plane.size, 32));
+        let odd = m.sub64(odd, offset);
+        // Bits 20 to 51 of each product, then bits 12 to 19.
+        let mut index = m.alternate(m.shr64(even, 20), m.shl64(odd, 12));
+        let fraction = m.alternate(m.shr64(even, 12), m.shl64(odd, 20));
+        if self.saturates[axis] {
+            let first = m.splat(FIRST_INDEX as i32);
+            index = m.min(m.max(index, first), of_plane.last);
+        }
+        (index, m.and(fraction, m.splat(255)))
+    }
+
+    /// Writes the tap of each request as the one of its footprints with this number.
+    ///
+    /// # Panics
+    /// If there are fewer requests' footprints than lanes.
+    #[inline(always)]
+    pub(super) fn write<M: Machine, const TAPS: usize>(
+        &self,
+        m: M,
+        taps: &Taps<M>,
+        weight: M::Words,
+        plane: M::Words,
         number: usize,
-        to: &mut [[Footprint; TAPS]; LANES],
+        to: &mut [[Footprint; TAPS]],
     ) {
-        let [c00, c10, c01, c11] = taps.corners;
-        let corners = transposed(c00, c10, c01, c11);
-        let fractions = _mm256_or_si256(taps.fractions[0], _mm256_slli_epi32::<16>(taps.fractions[1]));
-        let rests = transposed(fractions, weight, plane, _mm256_setzero_si256());
-        for lane in 0..LANES / 2 {
-            let (corners, rest) = (corners[lane], rests[lane]);
-            let low = self.bytes(_mm256_castsi256_si128(corners));
-            store_footprint(&mut to[lane][number], low, _mm256_castsi256_si128(rest));
-            let high = self.bytes(_mm256_extracti128_si256::<1>(corners));
-            store_footprint(&mut to[lane + 4][number], high, _mm256_extracti128_si256::<1>(rest));
+        let to = &mut to[..M::LANES];
+        let corners = transposed(m, taps.corners);
+        let fractions = m.or(taps.fractions[0], m.shl(taps.fractions[1], 16));
+        let rests = transposed(m, [fractions, weight, plane, m.splat(0)]);
+        for part in 0..M::LANES / 4 {
+            for lane in 0..4 {
+                let index = m.eight().widen(m.part(corners[lane], part));
+                let addresses = if self.clips { marked(m.eight(), index) } else { m.eight().shl64(index, 2) };
+                let footprint = &mut to[4 * part + lane][number];
+                m.eight().store_footprint(footprint, addresses, m.part(rests[lane], part));
+            }
         }
-    }
-
-    /// Byte addresses of four texels, with the marks of those outside as a [`Footprint`] has them.
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    fn bytes(&self, index: __m128i) -> __m256i {
-        let index = _mm256_cvtepu32_epi64(index);
-        if !self.clips {
-            return _mm256_slli_epi64::<2>(index);
-        }
-        // How often an index holds `OUTSIDE_INDEX` moves up to be how often the address holds `OUTSIDE`.
-        let marks = _mm256_slli_epi64::<{ OUTSIDE.trailing_zeros() as i32 }>(_mm256_srli_epi64::<{ OUTSIDE_SHIFT as i32 }>(index));
-        let within = _mm256_and_si256(index, _mm256_set1_epi64x(OUTSIDE_INDEX as i64 - 1));
-        _mm256_or_si256(_mm256_slli_epi64::<2>(within), marks)
     }
 }
 
-/// One axis of the planes of eight taps.
+/// Byte addresses of four texels, with the marks of those outside as a [`Footprint`] has them: how often an index holds `OUTSIDE_INDEX`
+/// moves up to be how often the address holds `OUTSIDE`.
+#[inline(always)]
+fn marked(m: Avx2, index: __m256i) -> __m256i {
+    let marks = m.shl64(m.shr64(index, OUTSIDE_SHIFT as i32), OUTSIDE.trailing_zeros() as i32);
+    let within = m.and(index, m.splat64(i64::from(OUTSIDE_INDEX) - 1));
+    m.or(m.shl64(within, 2), marks)
+}
+
+/// One axis of the planes of taps.
 #[derive(Clone, Copy)]
-struct Axis {
-    size: __m256i,
+struct Axis<M: Machine> {
+    size: M::Words,
     /// Where the table has index 0.
-    first: __m256i,
+    first: M::Words,
     /// Largest lower index a coordinate can saturate to.
-    last: __m256i,
+    last: M::Words,
 }
 
-/// Rows become columns: lanes 0 and 4 of all four, then 1 and 5, 2 and 6, 3 and 7.
-#[inline]
-#[target_feature(enable = "avx2")]
-pub(super) fn transposed(a: __m256i, b: __m256i, c: __m256i, d: __m256i) -> [__m256i; 4] {
-    let (ab, cd) = (_mm256_unpacklo_epi32(a, b), _mm256_unpacklo_epi32(c, d));
-    let (ab_high, cd_high) = (_mm256_unpackhi_epi32(a, b), _mm256_unpackhi_epi32(c, d));
-    [
-        _mm256_unpacklo_epi64(ab, cd),
-        _mm256_unpackhi_epi64(ab, cd),
-        _mm256_unpacklo_epi64(ab_high, cd_high),
-        _mm256_unpackhi_epi64(ab_high, cd_high),
-    ]
+impl<M: Machine> Axis<M> {
+    /// The same for all taps.
+    #[inline(always)]
+    fn common(m: M, size: &u32, first: &u32, last: &u32) -> Self {
+        Self {
+            size: m.splat(size.cast_signed()),
+            first: m.splat(first.cast_signed()),
+            last: m.splat(last.cast_signed()),
+        }
+    }
+
+    /// From the rows of the taps' planes, which start at these words.
+    #[inline(always)]
+    fn gathered(m: M, planes: &Table, row: M::Words, word: i32) -> Self {
+        Self {
+            size: m.gather(planes, m.add(row, m.splat(word))),
+            first: m.gather(planes, m.add(row, m.splat(word + 1))),
+            last: m.gather(planes, m.add(row, m.splat(word + 2))),
+        }
+    }
 }

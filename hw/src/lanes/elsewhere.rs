@@ -23,6 +23,14 @@ impl<'m> Lanes<'m> {
         None
     }
 
+    pub(crate) const fn lanes(&self) -> usize {
+        match self.none {}
+    }
+
+    pub(crate) fn eight(self) -> Self {
+        match self.none {}
+    }
+
     pub(crate) fn answer(&self, _: &[Request], _: &mut [Response]) -> usize {
         match self.none {}
     }

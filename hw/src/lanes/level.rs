@@ -1,10 +1,8 @@
-//! The LOD unit in eight lanes (see `lod`).
-
-use core::arch::x86_64::*;
+//! The LOD unit in lanes (see `lod`).
 
 use alloc::vec::Vec;
 
-use super::room::Table;
+use super::{machine::Machine, room::Table};
 use crate::{
     lod::{LOD_BITS, LevelRange, raw_level},
     log2_table::CELLS,
@@ -30,93 +28,74 @@ impl Logarithm {
     /// The clamp ends at 32.0 and the bias at +-16.0. So the exponents of zero, infinity and NaN need no words of their own here: the
     /// levels their bits come to, below -126 and from 64, clamp to the same ends as the levels of the scalar unit. And an
     /// explicit level may saturate at +-2^20 before the bias is added.
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    pub(super) fn raw(&self, scale: __m256i) -> __m256i {
+    #[inline(always)]
+    pub(super) fn raw<M: Machine>(&self, m: M, scale: M::Words) -> M::Words {
         match (self.source, self.log2) {
             (LodSource::Explicit, _) => {
-                let far = _mm256_set1_epi32(1 << 20);
-                _mm256_max_epi32(_mm256_min_epi32(scale, far), _mm256_sub_epi32(_mm256_setzero_si256(), far))
+                let far = m.splat(1 << 20);
+                m.max(m.min(scale, far), m.sub(m.splat(0), far))
             }
-            (LodSource::Gradient, Log2::Exact) => self.exact(scale),
-            (LodSource::Gradient, log2) => by_the_scalar_unit(scale, log2),
+            (LodSource::Gradient, Log2::Exact) => self.exact(m, scale),
+            (LodSource::Gradient, log2) => by_the_scalar_unit(m, scale, log2),
         }
     }
 
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    fn exact(&self, scale: __m256i) -> __m256i {
-        let magnitude = _mm256_and_si256(scale, _mm256_set1_epi32(0x7FFF_FFFF));
-        let mantissa = _mm256_and_si256(scale, _mm256_set1_epi32(0x7F_FFFF));
-        let cell = self.cells.gather(_mm256_srli_epi32::<15>(mantissa));
-        let threshold = _mm256_and_si256(cell, _mm256_set1_epi32(0xFF_FFFF));
-        // Minus one below the threshold; the constant adds one to all.
-        let below = _mm256_cmpgt_epi32(threshold, mantissa);
-        let octaves = _mm256_slli_epi32::<7>(_mm256_srli_epi32::<23>(magnitude));
-        let start = _mm256_add_epi32(octaves, _mm256_set1_epi32(1 - (127 << 7)));
-        _mm256_add_epi32(_mm256_add_epi32(start, _mm256_srli_epi32::<24>(cell)), below)
+    #[inline(always)]
+    fn exact<M: Machine>(&self, m: M, scale: M::Words) -> M::Words {
+        let magnitude = m.and(scale, m.splat(0x7FFF_FFFF));
+        let mantissa = m.and(scale, m.splat(0x7F_FFFF));
+        let cell = m.gather(&self.cells, m.shr(mantissa, 15));
+        let threshold = m.and(cell, m.splat(0xFF_FFFF));
+        let octaves = m.shl(m.shr(magnitude, 23), 7);
+        // One more from the threshold on: one more for all, and one less below it.
+        let start = m.add(octaves, m.splat(1 - (127 << 7)));
+        m.sub_where_greater(m.add(start, m.shr(cell, 24)), threshold, mantissa)
     }
 }
 
 /// The units that only studies choose: lane by lane.
-#[target_feature(enable = "avx2")]
-fn by_the_scalar_unit(scale: __m256i, log2: Log2) -> __m256i {
-    let lane = |scale: i32| raw_level(scale.cast_unsigned(), log2);
-    _mm256_setr_epi32(
-        lane(_mm256_extract_epi32::<0>(scale)),
-        lane(_mm256_extract_epi32::<1>(scale)),
-        lane(_mm256_extract_epi32::<2>(scale)),
-        lane(_mm256_extract_epi32::<3>(scale)),
-        lane(_mm256_extract_epi32::<4>(scale)),
-        lane(_mm256_extract_epi32::<5>(scale)),
-        lane(_mm256_extract_epi32::<6>(scale)),
-        lane(_mm256_extract_epi32::<7>(scale)),
-    )
+#[inline(always)]
+fn by_the_scalar_unit<M: Machine>(m: M, scale: M::Words, log2: Log2) -> M::Words {
+    m.each(scale, |scale| raw_level(scale.cast_unsigned(), log2))
 }
 
 /// Levels split into the two each lies between.
 #[derive(Clone, Copy)]
-pub(super) struct Splits {
+pub(super) struct Splits<M: Machine> {
     /// The sharper levels.
-    pub(super) level: __m256i,
+    pub(super) level: M::Words,
     /// The blurrier ones, or the same at the end of the chain.
-    pub(super) coarser: __m256i,
+    pub(super) coarser: M::Words,
     /// Weights of the blurrier ones, of 256.
-    pub(super) t: __m256i,
+    pub(super) t: M::Words,
     /// Both together, 8.8.
-    pub(super) lod: __m256i,
+    pub(super) lod: M::Words,
 }
 
 /// Bias and clamp of one axis or of the chain; see [`LevelRange`].
 impl LevelRange {
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    fn clamp_lanes(&self, raw: __m256i) -> __m256i {
-        let level = _mm256_add_epi32(raw, _mm256_set1_epi32(self.bias));
-        _mm256_min_epi32(_mm256_max_epi32(level, _mm256_set1_epi32(self.low)), _mm256_set1_epi32(self.high))
+    #[inline(always)]
+    fn clamp_lanes<M: Machine>(&self, m: M, raw: M::Words) -> M::Words {
+        let level = m.add(raw, m.splat(self.bias));
+        m.min(m.max(level, m.splat(self.low)), m.splat(self.high))
     }
 
     /// `fractional`, split.
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    pub(super) fn split_lanes(&self, raw: __m256i) -> Splits {
-        let rounded = _mm256_and_si256(
-            _mm256_add_epi32(self.clamp_lanes(raw), _mm256_set1_epi32(self.half)),
-            _mm256_set1_epi32(self.mask),
-        );
-        let last = _mm256_set1_epi32(self.last.into());
-        let lod = _mm256_min_epi32(rounded, _mm256_slli_epi32::<{ LOD_BITS as i32 }>(last));
-        let level = _mm256_srli_epi32::<{ LOD_BITS as i32 }>(lod);
-        let coarser = _mm256_min_epi32(_mm256_add_epi32(level, _mm256_set1_epi32(1)), last);
-        Splits { level, coarser, t: _mm256_and_si256(lod, _mm256_set1_epi32(255)), lod }
+    #[inline(always)]
+    pub(super) fn split_lanes<M: Machine>(&self, m: M, raw: M::Words) -> Splits<M> {
+        let rounded = m.and(m.add(self.clamp_lanes(m, raw), m.splat(self.half)), m.splat(self.mask));
+        let last = m.splat(self.last.into());
+        let lod = m.min(rounded, m.shl(last, LOD_BITS as i32));
+        let level = m.shr(lod, LOD_BITS as i32);
+        let coarser = m.min(m.add(level, m.splat(1)), last);
+        Splits { level, coarser, t: m.and(lod, m.splat(255)), lod }
     }
 
     /// `whole`, where `added` is what the rounding adds before the fraction is cut.
-    #[inline]
-    #[target_feature(enable = "avx2")]
-    pub(super) fn whole_lanes(&self, raw: __m256i, added: i32) -> __m256i {
-        let level = _mm256_add_epi32(self.clamp_lanes(raw), _mm256_set1_epi32(added));
-        _mm256_min_epi32(_mm256_srli_epi32::<{ LOD_BITS as i32 }>(level), _mm256_set1_epi32(self.last.into()))
+    #[inline(always)]
+    pub(super) fn whole_lanes<M: Machine>(&self, m: M, raw: M::Words, added: i32) -> M::Words {
+        let level = m.add(self.clamp_lanes(m, raw), m.splat(added));
+        m.min(m.shr(level, LOD_BITS as i32), m.splat(self.last.into()))
     }
 }
 

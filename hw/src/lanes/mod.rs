@@ -8,9 +8,13 @@ mod address;
 #[cfg(target_arch = "x86_64")]
 mod filter;
 #[cfg(target_arch = "x86_64")]
+mod footprints;
+#[cfg(target_arch = "x86_64")]
 mod kernel;
 #[cfg(target_arch = "x86_64")]
 mod level;
+#[cfg(target_arch = "x86_64")]
+mod machine;
 #[cfg(target_arch = "x86_64")]
 mod room;
 #[cfg(target_arch = "x86_64")]

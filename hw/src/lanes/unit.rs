@@ -3,7 +3,7 @@
 use super::{
     LANES,
     kernel::Kernel,
-    room::{Avx2, Texels},
+    room::{Avx2, Avx512, Texels},
 };
 use crate::{
     address::Footprint,
@@ -20,6 +20,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(crate) struct Lanes<'m> {
     machine: Avx2,
+    wide: Option<Avx512>,
     texels: Texels<'m>,
     weight_bits: u32,
     /// For the filters whose requests have the same taps each.
@@ -41,9 +42,11 @@ impl<'m> Lanes<'m> {
             return None;
         }
         let (_, always) = most_taps(sampler.filter);
-        let kernel = if always || sampler.filter == Filter::Brilinear { Kernel::new(sampler, unit, bytes) } else { None };
+        let kernel =
+            if always || sampler.filter == Filter::Brilinear { Kernel::new(sampler, unit, bytes) } else { None };
         Some(Self {
             machine: Avx2::detect()?,
+            wide: Avx512::detect(),
             texels: Texels::new(bytes)?,
             weight_bits: weight_bits(sampler.filter),
             writes: kernel.is_some() && always,
@@ -51,36 +54,62 @@ impl<'m> Lanes<'m> {
         })
     }
 
+    /// Requests at a time.
+    pub(crate) const fn lanes(&self) -> usize {
+        if self.wide.is_some() { 16 } else { LANES }
+    }
+
+    /// The same lanes, eight of them.
+    pub(crate) fn eight(self) -> Self {
+        Self { wide: None, ..self }
+    }
+
     /// Answers what requests it can; returns how many, from the first.
-    #[inline]
     pub(crate) fn answer(&self, requests: &[Request], responses: &mut [Response]) -> usize {
-        let Some(kernel) = &self.kernel else { return 0 };
-        let requests = requests.as_chunks().0;
-        self.machine.run::<true, false>(kernel, requests, responses.as_chunks_mut().0, &mut []);
-        LANES * requests.len()
+        match &self.kernel {
+            Some(kernel) => self.run::<true, false>(kernel, requests, responses, &mut []),
+            None => 0,
+        }
     }
 
     /// The same, writing their taps too.
-    #[inline]
     pub(crate) fn answer_and_write(
         &self,
         requests: &[Request],
         responses: &mut [Response],
         footprints: &mut [Footprint],
     ) -> usize {
-        let Some(kernel) = self.writer() else { return 0 };
-        let requests = requests.as_chunks().0;
-        self.machine.run::<true, true>(kernel, requests, responses.as_chunks_mut().0, footprints);
-        LANES * requests.len()
+        match self.writer() {
+            Some(kernel) => self.run::<true, true>(kernel, requests, responses, footprints),
+            None => 0,
+        }
     }
 
     /// Writes the taps of what requests it can; returns how many, from the first.
-    #[inline]
     pub(crate) fn write(&self, requests: &[Request], footprints: &mut [Footprint]) -> usize {
-        let Some(kernel) = self.writer() else { return 0 };
-        let requests = requests.as_chunks().0;
-        self.machine.run::<false, true>(kernel, requests, &mut [], footprints);
-        LANES * requests.len()
+        match self.writer() {
+            Some(kernel) => self.run::<false, true>(kernel, requests, &mut [], footprints),
+            None => 0,
+        }
+    }
+
+    fn run<const ANSWER: bool, const WRITE: bool>(
+        &self,
+        kernel: &Kernel<'_>,
+        requests: &[Request],
+        responses: &mut [Response],
+        footprints: &mut [Footprint],
+    ) -> usize {
+        // The widest first; what fills no register of it is left to the narrower.
+        let mut done = 0;
+        if let Some(machine) = self.wide {
+            machine.run::<ANSWER, WRITE>(kernel, requests, responses, footprints);
+            done = requests.len() / 16 * 16;
+        }
+        let responses = if ANSWER { &mut responses[done..] } else { responses };
+        let footprints = if WRITE { &mut footprints[done * kernel.taps()..] } else { footprints };
+        self.machine.run::<ANSWER, WRITE>(kernel, &requests[done..], responses, footprints);
+        requests.len() / LANES * LANES
     }
 
     fn writer(&self) -> Option<&Kernel<'m>> {

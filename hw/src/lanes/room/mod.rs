@@ -1,0 +1,169 @@
+//! The one room where unsafe code may live: the machine's vector instructions, loads and stores through pointers, and the doors into code
+//! compiled for them.
+//!
+//! Nothing here trusts its caller. That a machine has an instruction is proved by a value that only detection makes. A gather takes a table
+//! or a memory, not a pointer, and lanes that point past its end read nothing; a store takes a reference to exactly what it fills.
+#![allow(unsafe_code)]
+
+use core::{arch::x86_64::*, mem::offset_of};
+
+use alloc::vec::Vec;
+
+use super::{footprints, kernel::Kernel};
+use crate::{
+    address::Footprint,
+    datapath::Texel,
+    request::{Request, Response},
+};
+
+mod avx2;
+mod avx512;
+
+pub(super) use avx2::Avx2;
+pub(super) use avx512::Avx512;
+
+impl Avx2 {
+    /// [`Kernel::run`] in code compiled for AVX2.
+    pub(super) fn run<const ANSWER: bool, const WRITE: bool>(
+        self,
+        kernel: &Kernel<'_>,
+        requests: &[Request],
+        responses: &mut [Response],
+        footprints: &mut [Footprint],
+    ) {
+        #[target_feature(enable = "avx2")]
+        fn compiled<const ANSWER: bool, const WRITE: bool>(
+            m: Avx2,
+            kernel: &Kernel<'_>,
+            requests: &[Request],
+            responses: &mut [Response],
+            footprints: &mut [Footprint],
+        ) {
+            kernel.run::<Avx2, ANSWER, WRITE>(m, requests, responses, footprints);
+        }
+        // SAFETY: it is unsafe to call only where there is no AVX2, and `self` is the proof that there is.
+        unsafe { compiled::<ANSWER, WRITE>(self, kernel, requests, responses, footprints) }
+    }
+
+    /// [`footprints::filter`] in code compiled for AVX2.
+    #[inline]
+    pub(super) fn filter(
+        self,
+        texels: Texels<'_>,
+        taps: &[Footprint],
+        ends: impl Iterator<Item = usize>,
+        weight_bits: u32,
+        answer: impl FnMut(Texel),
+    ) {
+        // SAFETY: as above.
+        unsafe { footprints::filter(self, texels, taps, ends, weight_bits, answer) }
+    }
+}
+
+impl Avx512 {
+    /// [`Kernel::run`] in code compiled for AVX-512.
+    pub(super) fn run<const ANSWER: bool, const WRITE: bool>(
+        self,
+        kernel: &Kernel<'_>,
+        requests: &[Request],
+        responses: &mut [Response],
+        footprints: &mut [Footprint],
+    ) {
+        #[target_feature(enable = "avx2,avx512f,avx512bw")]
+        fn compiled<const ANSWER: bool, const WRITE: bool>(
+            m: Avx512,
+            kernel: &Kernel<'_>,
+            requests: &[Request],
+            responses: &mut [Response],
+            footprints: &mut [Footprint],
+        ) {
+            kernel.run::<Avx512, ANSWER, WRITE>(m, requests, responses, footprints);
+        }
+        // SAFETY: it is unsafe to call only where one of these is missing, and `self` is the proof that none is.
+        unsafe { compiled::<ANSWER, WRITE>(self, kernel, requests, responses, footprints) }
+    }
+}
+
+/// A table that all lanes may read at once: two entries at least, fewer than 2^31.
+#[derive(Clone, Debug)]
+pub(super) struct Table(Vec<u32>);
+
+impl Table {
+    /// A table of these entries, if their number is right.
+    pub(super) fn new(entries: Vec<u32>) -> Option<Self> {
+        (2..1 << 31).contains(&entries.len()).then_some(Self(entries))
+    }
+
+    /// The entries.
+    #[inline]
+    pub(super) fn entries(&self) -> &[u32] {
+        &self.0
+    }
+
+    /// Where they are, and the index of the last, at least 1.
+    #[inline(always)]
+    fn entries_and_last(&self) -> (*const i32, i32) {
+        (self.0.as_ptr().cast(), (self.0.len() - 1) as i32)
+    }
+}
+
+/// RGBA8 texels that all lanes may read at once.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Texels<'m> {
+    bytes: &'m [u8],
+    /// Index of the last whole texel, below 2^31.
+    last: i32,
+}
+
+impl<'m> Texels<'m> {
+    /// The texels of a memory, if their number is right.
+    pub(super) fn new(bytes: &'m [u8]) -> Option<Self> {
+        let count = bytes.len() / 4;
+        (1..1 << 31).contains(&count).then(|| Self { bytes, last: (count - 1) as i32 })
+    }
+
+    /// Where they are, and the index of the last.
+    #[inline(always)]
+    fn first_and_last(self) -> (*const i32, i32) {
+        (self.bytes.as_ptr().cast(), self.last)
+    }
+}
+
+// Loads and stores below, and those of the machines, take these as words.
+const _: () = assert!(offset_of!(Request, u) == 0 && offset_of!(Request, v) == 4 && offset_of!(Request, scale) == 8);
+const _: () = assert!(size_of::<Response>() == 8 && size_of::<Footprint>() == 48);
+
+/// The first four words of a request: coordinates and scales.
+#[inline(always)]
+fn load_head(request: &Request) -> __m128i {
+    // SAFETY: 16 bytes of a request, which is `repr(C)`, all of them integers of four; the load needs no alignment.
+    unsafe { _mm_loadu_si128(core::ptr::from_ref(request).cast()) }
+}
+
+impl Avx2 {
+    /// The four addresses of a footprint.
+    #[inline(always)]
+    pub(super) fn load_addresses(self, footprint: &Footprint) -> __m256i {
+        // SAFETY: `self` proves the instruction; 32 bytes of an array of four words of 64 bits; the load needs no alignment.
+        unsafe { _mm256_loadu_si256(footprint.address.as_ptr().cast()) }
+    }
+
+    /// Fills one footprint: the four addresses, and the 16 bytes after them.
+    #[inline(always)]
+    pub(super) fn store_footprint(self, footprint: &mut Footprint, addresses: __m256i, rest: __m128i) {
+        let to: *mut __m256i = core::ptr::from_mut(footprint).cast();
+        // SAFETY: `self` proves the instructions. A footprint is the 48 bytes of these two stores, which need no alignment, and any bits are a
+        // footprint: `repr(C)`, integers only, padding in the last four bytes.
+        unsafe {
+            _mm256_storeu_si256(to, addresses);
+            _mm_storeu_si128(to.add(1).cast(), rest);
+        }
+    }
+
+    /// Four words as words of 64 bits.
+    #[inline(always)]
+    pub(super) fn widen(self, words: __m128i) -> __m256i {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm256_cvtepu32_epi64(words) }
+    }
+}
