@@ -31,7 +31,7 @@ const LAYOUTS: [Layout; 4] = [
     Layout::Morton,
     Layout::Blocked { block: [2, 1], superblock: [3, 4] },
 ];
-const SIZES: [[u32; 2]; 8] = [[1, 1], [2, 1], [1, 37], [64, 64], [16, 128], [33, 7], [255, 3], [1000, 2]];
+const SIZES: [[u32; 2]; 8] = [[1, 1], [2, 1], [1, 37], [64, 64], [16, 128], [33, 7], [1000, 2], [5000, 3]];
 
 /// All taps and how they divide.
 #[derive(Debug, Default, PartialEq)]

@@ -34,6 +34,8 @@ pub(super) struct Addresses {
     planes: Table,
     /// The bits of a coordinate that each axis keeps.
     masks: [i32; 2],
+    /// Whether all products of a kept coordinate and a side are below 2^31.
+    narrow: [bool; 2],
     /// Whether an index beyond the border can come up, which a periodic mode with its masked coordinates rules out.
     saturates: [bool; 2],
     /// Whether a texel can be outside.
@@ -73,6 +75,11 @@ impl Addresses {
             entries: Table::new(entries)?,
             planes: Table::new(planes)?,
             masks: [0, 1].map(|axis| any_plane[axis].mask as i32),
+            narrow: [0, 1].map(|axis| {
+                let axes = unit.axes.iter().map(|plane| &plane[axis]);
+                axes.map(|of_plane| (of_plane.mask + 1) * i64::from(of_plane.size))
+                    .all(|end| (1..=1 << 31).contains(&end))
+            }),
             saturates: [0, 1].map(|axis| any_plane[axis].mask == -1),
             clips,
         })
@@ -127,7 +134,7 @@ impl Addresses {
 
     /// The index that a coordinate less `offset` has, saturated, and 8 bits of fraction.
     ///
-    /// The product is of 64 bits: those of the even lanes and those of the odd lanes apart.
+    /// The product is of 64 bits, those of the even lanes and those of the odd lanes apart, unless it is known to fit 32.
     #[inline(always)]
     fn lower<M: Machine>(
         &self,
@@ -138,6 +145,10 @@ impl Addresses {
         offset: i64,
     ) -> (M::Words, M::Words) {
         let kept = m.and(coordinate, m.splat(self.masks[axis]));
+        if self.narrow[axis] {
+            let position = m.sub(m.mul(kept, of_plane.size), m.splat(offset as i32));
+            return (m.shr_signed(position, 20), m.and(m.shr(position, 12), m.splat(255)));
+        }
         let offset = m.splat64(offset);
         let even = m.sub64(m.mul_even(kept, of_plane.size), offset);
         let odd = m.mul_even(m.shr64(kept, 32), m.shr64(of_plane.size, 32));

@@ -20,21 +20,21 @@ fn spread<M: Machine>(m: M, weight: M::Words) -> [M::Words; 2] {
     [m.unpack_low(weight, weight), m.unpack_high(weight, weight)]
 }
 
-/// Two columns of red and blue, or of green and alpha, made one, less 2^15; `start` is the left column times 256.
+/// Two columns of red and blue, or of green and alpha, made one; `start` is the left column times 256, less 2^15, and so is the result.
 #[inline(always)]
 fn horizontal<M: Machine>(m: M, start: M::Words, left: M::Words, right: M::Words, fraction: M::Words) -> M::Words {
-    let way = m.mul16(m.sub16(right, left), fraction);
-    m.xor(m.add16(start, way), m.splat16(i16::MIN))
+    m.add16(start, m.mul16(m.sub16(right, left), fraction))
 }
 
 /// A row of two texels: red and blue, green and alpha.
 #[inline(always)]
 fn row<M: Machine>(m: M, left: M::Words, right: M::Words, fraction: M::Words) -> [M::Words; 2] {
     let low = m.splat16(0xFF);
-    let high = m.and_not(low, left);
+    // A channel less 128, as its bits are: flipping the top one subtracts.
+    let less = m.xor(left, m.splat16(0x8080u16.cast_signed()));
     [
-        horizontal(m, m.shl16(left, 8), m.and(left, low), m.and(right, low), fraction),
-        horizontal(m, high, m.shr16(left, 8), m.shr16(right, 8), fraction),
+        horizontal(m, m.shl16(less, 8), m.and(left, low), m.and(right, low), fraction),
+        horizontal(m, m.and_not(low, less), m.shr16(left, 8), m.shr16(right, 8), fraction),
     ]
 }
 

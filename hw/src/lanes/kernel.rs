@@ -5,7 +5,7 @@ use super::{
     filter,
     level::{Logarithm, brilinear_weights},
     machine::{Machine, transposed},
-    room::{Table, Texels},
+    room::{Table, Texels, ask_ahead},
 };
 use crate::{
     address::Footprint,
@@ -44,14 +44,17 @@ struct Levels<M: Machine> {
 
 /// Requests between the address unit and the datapath.
 #[derive(Clone, Copy)]
-struct Made<M: Machine> {
-    taps: [Taps<M>; 4],
+struct Made<M: Machine, const TAPS: usize> {
+    taps: [Taps<M>; TAPS],
     levels: Levels<M>,
 }
 
 /// Registers of requests made before the first is filtered. Addresses and filters are loops of their own: each is short enough for the host
 /// to work on two turns at a time, and needs no more registers than it has.
-const STAGE: usize = 8;
+const STAGE: usize = 4;
+
+/// Bytes of requests asked for before they are needed: the host's own foresight ends at every page.
+const AHEAD: usize = 4096;
 
 impl<'m> Kernel<'m> {
     pub(super) fn new(sampler: &Sampler, unit: &TapUnit, bytes: &'m [u8]) -> Option<Self> {
@@ -94,7 +97,8 @@ impl<'m> Kernel<'m> {
             ($($filter:ident)*) => {
                 match self.filter {
                     $(Filter::$filter => {
-                        self.registers::<M, { Filter::$filter as u8 }, ANSWER, WRITE>(m, requests, responses, footprints);
+                        const FILTER: u8 = Filter::$filter as u8;
+                        self.registers::<M, FILTER, { taps_of(FILTER) }, ANSWER, WRITE>(m, requests, responses, footprints);
                     })*
                     _ => unreachable!("no kernel is made for filters of many taps"),
                 }
@@ -104,7 +108,7 @@ impl<'m> Kernel<'m> {
     }
 
     #[inline(always)]
-    fn registers<M: Machine, const FILTER: u8, const ANSWER: bool, const WRITE: bool>(
+    fn registers<M: Machine, const FILTER: u8, const TAPS: usize, const ANSWER: bool, const WRITE: bool>(
         &self,
         m: M,
         requests: &[Request],
@@ -113,22 +117,22 @@ impl<'m> Kernel<'m> {
     ) {
         let nothing = m.splat(0);
         let levels = Levels { planes: [nothing; 4], t: [nothing; 2], lod: nothing };
-        let mut stage = [Made { taps: [Taps { corners: [nothing; 4], fractions: [nothing; 2] }; 4], levels }; STAGE];
+        let mut stage = [Made { taps: [Taps { corners: [nothing; 4], fractions: [nothing; 2] }; TAPS], levels }; STAGE];
         let mut responses = responses.chunks_exact_mut(M::LANES);
-        let mut footprints = footprints.chunks_exact_mut(M::LANES * taps_of(FILTER));
+        let mut footprints = footprints.chunks_exact_mut(M::LANES * TAPS);
         for requests in requests.chunks(STAGE * M::LANES) {
             let stage = &mut stage[..requests.len() / M::LANES];
             for (requests, made) in requests.chunks_exact(M::LANES).zip(&mut *stage) {
-                self.make::<M, FILTER>(m, requests, made);
+                self.make::<M, FILTER, TAPS>(m, requests, made);
             }
             if WRITE {
                 for (made, footprints) in stage.iter().zip(&mut footprints) {
-                    self.write::<M, FILTER>(m, made, footprints);
+                    self.write::<M, FILTER, TAPS>(m, made, footprints);
                 }
             }
             if ANSWER {
                 for (made, responses) in stage.iter().zip(&mut responses) {
-                    m.respond(responses, self.filter::<M, FILTER>(m, made), made.levels.lod);
+                    m.respond(responses, self.filter::<M, FILTER, TAPS>(m, made), made.levels.lod);
                 }
             }
         }
@@ -136,7 +140,13 @@ impl<'m> Kernel<'m> {
 
     /// The address unit.
     #[inline(always)]
-    fn make<M: Machine, const FILTER: u8>(&self, m: M, requests: &[Request], made: &mut Made<M>) {
+    fn make<M: Machine, const FILTER: u8, const TAPS: usize>(
+        &self,
+        m: M,
+        requests: &[Request],
+        made: &mut Made<M, TAPS>,
+    ) {
+        ask_ahead(requests, AHEAD);
         let heads = [m.heads(requests, 0), m.heads(requests, 1), m.heads(requests, 2), m.heads(requests, 3)];
         let [u, v, scale_u, scale_v] = transposed(m, heads);
         let (at, scale) = ([u, v], [scale_u, scale_v]);
@@ -145,14 +155,19 @@ impl<'m> Kernel<'m> {
             made.taps[0].corners[0] = self.addresses.point(m, made.levels.planes[0], at);
             return;
         }
-        for (tap, plane) in made.taps.iter_mut().zip(made.levels.planes).take(taps_of(FILTER)) {
+        for (tap, plane) in made.taps.iter_mut().zip(made.levels.planes) {
             *tap = self.addresses.bilinear(m, plane, at);
         }
     }
 
     /// Writes taps as the scalar unit does.
     #[inline(always)]
-    fn write<M: Machine, const FILTER: u8>(&self, m: M, made: &Made<M>, footprints: &mut [Footprint]) {
+    fn write<M: Machine, const FILTER: u8, const TAPS: usize>(
+        &self,
+        m: M,
+        made: &Made<M, TAPS>,
+        footprints: &mut [Footprint],
+    ) {
         let t = made.levels.t;
         let one = m.splat(1);
         let whole = m.splat(256);
@@ -165,21 +180,6 @@ impl<'m> Kernel<'m> {
             }
             _ => [one; 4],
         };
-        match taps_of(FILTER) {
-            1 => self.write_taps::<M, 1>(m, made, &weights, footprints),
-            2 => self.write_taps::<M, 2>(m, made, &weights, footprints),
-            _ => self.write_taps::<M, 4>(m, made, &weights, footprints),
-        }
-    }
-
-    #[inline(always)]
-    fn write_taps<M: Machine, const TAPS: usize>(
-        &self,
-        m: M,
-        made: &Made<M>,
-        weights: &[M::Words; 4],
-        footprints: &mut [Footprint],
-    ) {
         let footprints = footprints.as_chunks_mut::<TAPS>().0;
         for number in 0..TAPS {
             let (taps, weight, plane) = (&made.taps[number], weights[number], made.levels.planes[number]);
@@ -189,23 +189,24 @@ impl<'m> Kernel<'m> {
 
     /// The datapath.
     #[inline(always)]
-    fn filter<M: Machine, const FILTER: u8>(&self, m: M, made: &Made<M>) -> M::Words {
-        let Made { taps: [a, b, c, d], levels: Levels { t, .. } } = made;
+    fn filter<M: Machine, const FILTER: u8, const TAPS: usize>(&self, m: M, made: &Made<M, TAPS>) -> M::Words {
+        let (taps, t) = (&made.taps, &made.levels.t);
         if FILTER == Filter::Point as u8 {
-            return m.texels(self.texels, a.corners[0]);
+            return m.texels(self.texels, taps[0].corners[0]);
         }
-        match taps_of(FILTER) {
-            1 => filter::one(m, filter::bilinear(m, self.texels, a)),
-            2 => filter::two(m, filter::bilinear(m, self.texels, a), filter::bilinear(m, self.texels, b), t[0]),
-            _ => {
-                let a = (filter::bilinear(m, self.texels, a), filter::bilinear(m, self.texels, b));
-                let b = (filter::bilinear(m, self.texels, c), filter::bilinear(m, self.texels, d));
-                if FILTER == Filter::Ripmap as u8 {
-                    filter::four(m, [a.0, a.1, b.0, b.1], *t)
-                } else {
-                    filter::mean_of_two(m, [(a.0, a.1, t[0]), (b.0, b.1, t[1])])
-                }
-            }
+        let first = filter::bilinear(m, self.texels, &taps[0]);
+        if TAPS == 1 {
+            return filter::one(m, first);
+        }
+        let second = filter::bilinear(m, self.texels, &taps[1]);
+        if TAPS == 2 {
+            return filter::two(m, first, second, t[0]);
+        }
+        let (third, fourth) = (filter::bilinear(m, self.texels, &taps[2]), filter::bilinear(m, self.texels, &taps[3]));
+        if FILTER == Filter::Ripmap as u8 {
+            filter::four(m, [first, second, third, fourth], *t)
+        } else {
+            filter::mean_of_two(m, [(first, second, t[0]), (third, fourth, t[1])])
         }
     }
 

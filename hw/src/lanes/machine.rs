@@ -33,6 +33,8 @@ pub(super) trait Machine: Copy + core::fmt::Debug {
     fn and_not(self, a: Self::Words, b: Self::Words) -> Self::Words;
     fn shl(self, a: Self::Words, bits: i32) -> Self::Words;
     fn shr(self, a: Self::Words, bits: i32) -> Self::Words;
+    /// The same, the sign moving in.
+    fn shr_signed(self, a: Self::Words, bits: i32) -> Self::Words;
     /// `x`, less one where `a > b`.
     fn sub_where_greater(self, x: Self::Words, a: Self::Words, b: Self::Words) -> Self::Words;
     /// `x` where `a > 0`, zero elsewhere.

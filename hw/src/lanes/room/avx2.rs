@@ -181,6 +181,12 @@ impl Machine for Avx2 {
         unsafe { _mm256_srl_epi32(a, _mm_cvtsi32_si128(bits)) }
     }
     #[inline(always)]
+    fn shr_signed(self, a: __m256i, bits: i32) -> __m256i {
+        // SAFETY: `self` proves the instruction. The count is a constant, as above.
+        unsafe { _mm256_sra_epi32(a, _mm_cvtsi32_si128(bits)) }
+    }
+
+    #[inline(always)]
     fn shl64(self, a: __m256i, bits: i32) -> __m256i {
         // SAFETY: `self` proves the instruction. The count is a constant wherever this is called, so it ends up inside it.
         unsafe { _mm256_sll_epi64(a, _mm_cvtsi32_si128(bits)) }

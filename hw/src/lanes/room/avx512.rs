@@ -176,6 +176,12 @@ impl Machine for Avx512 {
         unsafe { _mm512_srl_epi32(a, _mm_cvtsi32_si128(bits)) }
     }
     #[inline(always)]
+    fn shr_signed(self, a: __m512i, bits: i32) -> __m512i {
+        // SAFETY: `self` proves the instruction. The count is a constant, as above.
+        unsafe { _mm512_sra_epi32(a, _mm_cvtsi32_si128(bits)) }
+    }
+
+    #[inline(always)]
     fn shl64(self, a: __m512i, bits: i32) -> __m512i {
         // SAFETY: `self` proves the instruction. The count is a constant wherever this is called, so it ends up inside it.
         unsafe { _mm512_sll_epi64(a, _mm_cvtsi32_si128(bits)) }
