@@ -4,12 +4,17 @@ use std::{hint::black_box, time::Instant};
 
 use texunit_benches::{workload::Case, yardstick};
 use texunit_hw::{
-    Batch, Filter, Geometry, Policy, Response, Sampler, Sink, Unit,
+    Batch, Filter, Geometry, Policy, Request, Response, Sampler, Sink, Unit,
     cache::{Cache, Detail, TexelCache},
 };
 
 /// Rounds; each measures every subject once, so that a slow moment hits all alike.
 const ROUNDS: usize = 9;
+
+/// Requests of a block.
+const BLOCK: usize = 4096;
+/// Times a block is answered.
+const TIMES: usize = 256;
 
 /// The median of the ratios yardstick / subject, round by round: above 1, the model is the faster.
 struct Ratio {
@@ -54,11 +59,25 @@ fn main() {
     unit().addresses(requests, &mut addresses);
     let addresses = addresses.0;
 
+    // As many requests as a front end hands on at a time: they and their answers stay in the host's first-level caches, where the whole
+    // frame's 44 bytes each come from memory.
+    let middle = &requests[requests.len() / 2..][..BLOCK];
+    let bilinear_case = Sampler { filter: Filter::Bilinear, ..sampler };
+    let texels_only = |sampler: &Sampler, requests: &[Request], responses: &mut [Response], times: usize| {
+        let mut unit = Unit::new(sampler, &case.memory.surface, bytes).expect("the case is sound");
+        seconds(|| (0..times).for_each(|_| unit.run(requests, &mut responses[..requests.len()], &mut ())))
+    };
+
     let row = |name, goal, work| Ratio { name, goal, times: Vec::new(), work };
     let n = requests.len();
     let mut whole = row("texels and cache, all counters", Some(1.5), n);
     let mut plain = row("texels and cache, hits and line use only", None, n);
     let mut sampling = row("texels only", Some(4.0), n);
+    let mut bilinear = row("bilinear texels only", Some(4.0), n);
+    let mut sampling_block = row("texels only, a block at a time", Some(4.0), TIMES * BLOCK);
+    let mut bilinear_block = row("bilinear texels only, a block at a time", Some(4.0), TIMES * BLOCK);
+    let mut eight = row("texels only, a block, in eight lanes", None, TIMES * BLOCK);
+    let mut scalar = row("texels only, without lanes", None, n);
     let mut caching = row("addresses and plain cache", None, n);
     let mut alone = row("cache alone, from addresses", Some(0.9), addresses.len());
     for _ in 0..ROUNDS {
@@ -76,9 +95,25 @@ fn main() {
             cache.counters()
         });
         plain.times.push([by_hand, few]);
-        sampling.times.push([
-            seconds(|| yardstick::sampling(requests, bytes, &mut texels)),
-            seconds(|| unit().run(requests, &mut responses, &mut ())),
+        let by_hand = seconds(|| yardstick::sampling(requests, bytes, &mut texels));
+        sampling.times.push([by_hand, texels_only(&sampler, requests, &mut responses, 1)]);
+        scalar.times.push([by_hand, seconds(|| unit().scalar().run(requests, &mut responses, &mut ()))]);
+        bilinear.times.push([
+            seconds(|| yardstick::bilinear(requests, bytes, &mut texels)),
+            texels_only(&bilinear_case, requests, &mut responses, 1),
+        ]);
+        let by_hand = seconds(|| (0..TIMES).for_each(|_| yardstick::sampling(middle, bytes, &mut texels[..BLOCK])));
+        sampling_block.times.push([by_hand, texels_only(&sampler, middle, &mut responses, TIMES)]);
+        eight.times.push([
+            by_hand,
+            seconds(|| {
+                let mut unit = unit().eight_lanes();
+                (0..TIMES).for_each(|_| unit.run(middle, &mut responses[..BLOCK], &mut ()));
+            }),
+        ]);
+        bilinear_block.times.push([
+            seconds(|| (0..TIMES).for_each(|_| yardstick::bilinear(middle, bytes, &mut texels[..BLOCK]))),
+            texels_only(&bilinear_case, middle, &mut responses, TIMES),
         ]);
         caching.times.push([
             seconds(|| yardstick::caching(requests)),
@@ -98,7 +133,7 @@ fn main() {
             }),
         ]);
     }
-    let rows = [whole, plain, sampling, caching, alone];
+    let rows = [whole, plain, sampling, bilinear, sampling_block, bilinear_block, eight, scalar, caching, alone];
     println!(
         "{:<44} {:>7} {:>6} {:>14} {:>14}",
         "model / hand-written loop", "ratio", "goal", "model M/s", "by hand M/s"

@@ -26,8 +26,7 @@ pub struct Perspective {
 
 impl Perspective {
     /// A floor that recedes: from magnified below to minified by eight above.
-    pub const FLOOR: Self =
-        Self { rows: [[900.0, 120.0, 30_000.0], [-60.0, 40.0, 900_000.0], [0.0, 0.85, 130.0]] };
+    pub const FLOOR: Self = Self { rows: [[900.0, 120.0, 30_000.0], [-60.0, 40.0, 900_000.0], [0.0, 0.85, 130.0]] };
 
     /// Coordinates and gradient at a pixel, in texels.
     pub fn at(&self, x: f64, y: f64) -> ([f64; 2], [f64; 4]) {
