@@ -181,9 +181,8 @@ impl<'m> Kernel<'m> {
             _ => [one; 4],
         };
         let footprints = footprints.as_chunks_mut::<TAPS>().0;
-        for number in 0..TAPS {
-            let (taps, weight, plane) = (&made.taps[number], weights[number], made.levels.planes[number]);
-            self.addresses.write(m, taps, weight, plane, number, footprints);
+        for (number, (taps, weight)) in made.taps.iter().zip(weights).enumerate() {
+            self.addresses.write(m, taps, weight, made.levels.planes[number], number, footprints);
         }
     }
 
