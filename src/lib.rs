@@ -5,6 +5,7 @@ pub mod address_trace;
 pub mod annotated;
 pub mod area;
 pub mod cli;
+pub mod conform;
 pub mod energy;
 pub mod error;
 pub mod experiment;

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, each with its `Args` and its `run`.
 
 mod cache;
+mod conform;
 mod drift;
 mod explain;
 mod frames;
@@ -41,6 +42,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Cache(cache::Args),
+    Conform(conform::Args),
     Scenes(scenes::Args),
     Stream(stream::Args),
     Sweep(sweep::Args),
@@ -103,6 +105,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let outcome: Result<ExitCode> = match cli.command {
         Command::Cache(args) => cache::run(args),
+        Command::Conform(args) => conform::run(&args),
         Command::Scenes(args) => scenes::run(args),
         Command::Stream(args) => stream::run(&args),
         Command::Sweep(args) => sweep::run(&args),

@@ -1,0 +1,191 @@
+//! `texunit conform`: is every answer one that the promised bits allow?
+
+use std::process::ExitCode;
+
+use clap::ArgAction;
+use comfy_table::{CellAlignment, Table, presets};
+use texunit_hw::Filter;
+
+use super::{progress_bar, run::scenes, run::size};
+use crate::{
+    conform::{
+        FILTERS, Precision,
+        largest::{self, Largest},
+        scenes::{Finding, LevelRule, judge_scene},
+        unknown,
+    },
+    error::{Error, Result},
+    machine::{Machine, PROFILES, parser},
+    names::Named,
+    output::print,
+};
+
+/// Check every sample of a scene as a conformance suite does: against all answers that so many bits of precision allow.
+///
+/// The rule is that of dEQP's lookup verifier: a coordinate may be off by 2^-subtexel texels and a level by 2^-mipmap, and every texel
+/// and weight these can select is a candidate. It knows point, bilinear, nearest-mip and trilinear; no API promises bits for the
+/// other filters. Exit status: 0 all allowed, 1 an answer is refused (said in words: which pixel, which interval, how far off), 2 bad use.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scenes: names of those that ship (`texunit scenes` lists them) or TOML files; all that ship if none is given
+    #[arg(value_name = "SCENE", conflicts_with = "largest")]
+    scenes: Vec<String>,
+    /// Filters: point, bilinear, nearest-mip, trilinear; all four if none is given
+    #[arg(long, short, value_delimiter = ',', value_parser = parser::<Filter>())]
+    filters: Vec<Filter>,
+    /// Bits of the sub-texel fraction (Direct3D 11: 8; Vulkan: 4, Roadmap 2022: 8)
+    #[arg(long, value_name = "BITS", default_value_t = 8, value_parser = clap::value_parser!(u8).range(0..=24))]
+    subtexel: u8,
+    /// Bits of the level fraction (Direct3D 11: 8; Vulkan: 4, Roadmap 2022: 6)
+    #[arg(long, value_name = "BITS", default_value_t = 8, value_parser = clap::value_parser!(u8).range(0..=24))]
+    mipmap: u8,
+    /// Bits of a float coordinate that count; the suite takes 20 of 24
+    #[arg(long, value_name = "BITS", default_value_t = 20, value_parser = clap::value_parser!(u8).range(1..=53))]
+    coordinate: u8,
+    /// How far a channel may lie from an allowed colour, in units of its last bit
+    #[arg(long, value_name = "LSB", default_value_t = 0.5, value_parser = tolerance)]
+    tolerance: f64,
+    /// Allow every level an API allows for a gradient, not only that of the machine's norm
+    #[arg(long)]
+    any_norm: bool,
+    /// Image size for every scene, instead of its own
+    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "largest")]
+    size: Option<[u32; 2]>,
+    /// Instead of scenes: the largest texture at which all samples are allowed, for every machine that ships, or the one named
+    #[arg(long, action = ArgAction::SetTrue)]
+    largest: bool,
+    /// Print JSON instead of the table
+    #[arg(long)]
+    json: bool,
+    /// Machine: a name that ships (`texunit explain` lists them) or a TOML file [default: herf-12.20; with --largest: all]
+    #[arg(long, short, value_name = "NAME|FILE")]
+    machine: Option<String>,
+    /// One setting on top of the machine, for instance filter.bits=6; may be given more than once
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value| (0.0..=255.0).contains(value));
+    value.ok_or_else(|| "a number of 0 to 255, for instance 0.5".into())
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad machines, scenes and filters.
+pub fn run(args: &Args) -> Result<ExitCode> {
+    if let Some(filter) = args.filters.iter().find(|filter| !FILTERS.contains(filter)) {
+        return Err(unknown(*filter));
+    }
+    let filters = if args.filters.is_empty() { FILTERS.to_vec() } else { args.filters.clone() };
+    let precision = Precision {
+        subtexel: args.subtexel,
+        mipmap: args.mipmap,
+        coordinate: args.coordinate,
+        tolerance: args.tolerance,
+    };
+    if args.largest { run_largest(args, &filters, precision) } else { run_scenes(args, &filters, precision) }
+}
+
+fn run_scenes(args: &Args, filters: &[Filter], precision: Precision) -> Result<ExitCode> {
+    let machine = Machine::load(args.machine.as_deref().unwrap_or(super::MachineArgs::DEFAULT), &args.set)?;
+    let rule = if args.any_norm { LevelRule::Suite } else { LevelRule::Norm };
+    let scenes = scenes(&args.scenes, args.size)?;
+    let progress = progress_bar((scenes.len() * filters.len()) as u64);
+    let mut findings: Vec<Finding> = Vec::new();
+    for scene in &scenes {
+        progress.set_message(scene.name.clone());
+        findings.extend(judge_scene(&machine, scene, filters, precision, rule, |_| progress.inc(1))?);
+    }
+    progress.finish_and_clear();
+    let refused: u64 = findings.iter().map(|finding| finding.refused).sum();
+    if args.json {
+        let report = serde_json::json!({
+            "machine": machine.name, "subtexel": precision.subtexel, "mipmap": precision.mipmap, "coordinate": precision.coordinate,
+            "tolerance": precision.tolerance, "any-norm": args.any_norm, "refused": refused, "findings": findings,
+        });
+        print(|out| writeln!(out, "{report:#}"))?;
+    } else {
+        let samples: u64 = findings.iter().map(|finding| finding.samples).sum();
+        print(|out| {
+            writeln!(out, "{}", table(&findings))?;
+            writeln!(
+                out,
+                "{}: {samples} samples at {} sub-texel and {} level bits, {refused} refused",
+                machine.name, precision.subtexel, precision.mipmap
+            )
+        })?;
+    }
+    for explained in findings.iter().flat_map(|finding| &finding.explained).take(SHOWN) {
+        eprintln!("texunit: {explained}");
+    }
+    Ok(if refused == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Refusals explained on a terminal; JSON has two of each scene and filter.
+const SHOWN: usize = 4;
+
+fn table(findings: &[Finding]) -> Table {
+    let mut table = Table::new();
+    let header = ["scene", "filter", "samples", "undecided", "refused", "worst off"];
+    table.load_style(presets::UTF8_BORDERS_ONLY).set_header(header);
+    for column in table.column_iter_mut().skip(2) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    for finding in findings {
+        let worst = if finding.refused == 0 { "-".into() } else { format!("{:.2}", finding.worst) };
+        let counts = [finding.samples, finding.undecided, finding.refused].map(|count| count.to_string());
+        table.add_row([finding.scene.clone(), finding.filter.into()].into_iter().chain(counts).chain([worst]));
+    }
+    table
+}
+
+fn run_largest(args: &Args, filters: &[Filter], precision: Precision) -> Result<ExitCode> {
+    let names: Vec<&str> =
+        args.machine.as_deref().map_or_else(|| PROFILES.iter().map(|(name, _)| *name).collect(), |name| vec![name]);
+    let machines = names.iter().map(|name| Machine::load(name, &args.set)).collect::<Result<Vec<_>>>()?;
+    if machines.is_empty() {
+        return Err(Error::setting("--machine", "", "no machine", "name one"));
+    }
+    let progress = progress_bar((machines.len() * filters.len()) as u64);
+    let mut rows: Vec<(String, &'static str, Largest)> = Vec::new();
+    for machine in &machines {
+        for &filter in filters {
+            progress.set_message(machine.name.clone());
+            rows.push((machine.name.clone(), filter.name(), largest::of_machine(machine, filter, precision)?));
+            progress.inc(1);
+        }
+    }
+    progress.finish_and_clear();
+    if args.json {
+        let rows: Vec<_> = rows
+            .iter()
+            .map(|(machine, filter, largest)| serde_json::json!({ "machine": machine, "filter": filter, "largest": largest }))
+            .collect();
+        let report = serde_json::json!({ "subtexel": precision.subtexel, "mipmap": precision.mipmap, "rows": rows });
+        print(|out| writeln!(out, "{report:#}"))?;
+    } else {
+        let mut table = Table::new();
+        let header = ["machine", "filter", "largest power of two", "largest of 2^k - 1"];
+        table.load_style(presets::UTF8_BORDERS_ONLY).set_header(header);
+        for (machine, filter, largest) in &rows {
+            let size = |size: Option<u32>| size.map_or_else(|| "none".into(), |size| size.to_string());
+            table.add_row([machine.clone(), (*filter).into(), size(largest.power_of_two), size(largest.odd)]);
+        }
+        print(|out| {
+            writeln!(out, "{table}")?;
+            writeln!(
+                out,
+                "Sides of textures from {} to {} texels at which all samples are allowed, {} sub-texel and {} level bits",
+                1 << largest::SIZES.start(),
+                1 << largest::SIZES.end(),
+                precision.subtexel,
+                precision.mipmap
+            )
+        })?;
+    }
+    // A question of how far, not of whether; but who passes nowhere fails.
+    let nowhere = rows.iter().any(|(.., largest)| largest.power_of_two.is_none());
+    Ok(if nowhere && args.machine.is_some() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}

@@ -1,0 +1,160 @@
+//! The colours a set of texels can give while their weights roam their intervals.
+
+use super::interval::Interval;
+
+/// Four texels, and the weights of the second column and of the second row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1).
+    pub corners: [[f64; 4]; 4],
+    /// Of u and v.
+    pub weights: [Interval; 2],
+}
+
+/// Two patches, and the weight of the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blend {
+    /// Of the sharper and of the blurrier level.
+    pub patches: [Patch; 2],
+    /// How far from the first to the second.
+    pub blend: Interval,
+}
+
+/// The nearest that was found to an answer out of reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Miss {
+    /// How far the worst channel is off, in units of its last bit.
+    pub off: f64,
+    /// That channel.
+    pub channel: usize,
+    /// The nearest colour.
+    pub colour: [f64; 4],
+    /// Its weights: u and v of the first patch, u and v of the second, blend.
+    pub weights: [f64; 5],
+}
+
+/// How long to look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Search {
+    /// Until some channel is known to be out of reach; the miss is then a bound, channel by channel.
+    UntilHopeless,
+    /// For the nearest colour.
+    ToTheEnd,
+}
+
+/// How nearly a descent must reach an answer: a thousandth of the last bit, for the sake of its own rounding.
+const NEAR: f64 = 1.0 / 1024.0;
+/// Rounds of a descent. The few answers that need one come within reach in a handful.
+const ROUNDS: usize = 64;
+/// Halvings of an interval in search of a minimum.
+const HALVINGS: usize = 32;
+
+impl Patch {
+    fn colour(&self, [u, v]: [f64; 2]) -> [f64; 4] {
+        let [c00, c10, c01, c11] = &self.corners;
+        [0, 1, 2, 3].map(|channel| {
+            let top = c00[channel] + (c10[channel] - c00[channel]) * u;
+            let bottom = c01[channel] + (c11[channel] - c01[channel]) * u;
+            top + (bottom - top) * v
+        })
+    }
+
+    /// The least and the greatest of each channel: linear in each weight, so at the ends.
+    fn range(&self) -> [[f64; 4]; 2] {
+        let [u, v] = self.weights;
+        let ends = [[u.low, v.low], [u.high, v.low], [u.low, v.high], [u.high, v.high]].map(|at| self.colour(at));
+        bounds(&ends)
+    }
+}
+
+fn bounds(colours: &[[f64; 4]]) -> [[f64; 4]; 2] {
+    let pick = |better: fn(f64, f64) -> f64| {
+        [0, 1, 2, 3].map(|channel| colours.iter().map(|colour| colour[channel]).reduce(better).unwrap_or(0.0))
+    };
+    [pick(f64::min), pick(f64::max)]
+}
+
+impl Blend {
+    fn intervals(&self) -> [Interval; 5] {
+        let [first, second] = &self.patches;
+        [first.weights[0], first.weights[1], second.weights[0], second.weights[1], self.blend]
+    }
+
+    fn colour(&self, weights: [f64; 5]) -> [f64; 4] {
+        let [first, second] = [0, 1].map(|level| self.patches[level].colour([weights[2 * level], weights[2 * level + 1]]));
+        [0, 1, 2, 3].map(|channel| first[channel] + (second[channel] - first[channel]) * weights[4])
+    }
+
+    /// None if some weights give each channel of the answer, within the tolerance.
+    pub fn miss(&self, answer: [f64; 4], tolerance: f64, search: Search) -> Option<Miss> {
+        let middle = self.intervals().map(Interval::middle);
+        if farthest(self.colour(middle), answer).1 <= tolerance {
+            return None;
+        }
+        // What no weights give one channel, they do not give four: the exact bound of each, and no search.
+        let [first, second] = [self.patches[0].range(), self.patches[1].range()];
+        let mixed = [self.blend.low, self.blend.high].map(|t| {
+            [0, 1].map(|end| [0, 1, 2, 3].map(|channel| first[end][channel] * (1.0 - t) + second[end][channel] * t))
+        });
+        let [low, high] = bounds(mixed.as_flattened());
+        let beyond = |channel: usize| (low[channel] - answer[channel]).max(answer[channel] - high[channel]);
+        let hopeless = (0..4).any(|channel| beyond(channel) > tolerance + NEAR);
+        if hopeless && search == Search::UntilHopeless {
+            let colour = [0, 1, 2, 3].map(|channel: usize| answer[channel].clamp(low[channel], high[channel]));
+            let (channel, off) = farthest(colour, answer);
+            return Some(Miss { off, channel, colour, weights: middle });
+        }
+        let weights = self.descend(answer, tolerance, middle);
+        let colour = self.colour(weights);
+        let (channel, off) = farthest(colour, answer);
+        (off > tolerance + NEAR).then_some(Miss { off, channel, colour, weights })
+    }
+
+    /// One weight after the other to where the channels' squared excess is least. That sum is smooth, and over intervals as narrow as
+    /// these as good as convex, so this ends at its minimum, and at nothing if there is such a place.
+    fn descend(&self, answer: [f64; 4], tolerance: f64, mut weights: [f64; 5]) -> [f64; 5] {
+        let intervals = self.intervals();
+        for _ in 0..ROUNDS {
+            for number in 0..5 {
+                let Interval { mut low, mut high } = intervals[number];
+                let at = |weight: f64| {
+                    let mut weights = weights;
+                    weights[number] = weight;
+                    self.colour(weights)
+                };
+                let [zero, one] = [at(0.0), at(1.0)];
+                for _ in 0..HALVINGS {
+                    let middle = f64::midpoint(low, high);
+                    let slope: f64 = (0..4)
+                        .map(|channel| {
+                            let rise = one[channel] - zero[channel];
+                            let beyond = zero[channel] + rise * middle - answer[channel];
+                            rise * (beyond - beyond.clamp(-tolerance, tolerance))
+                        })
+                        .sum();
+                    if slope > 0.0 { high = middle } else { low = middle }
+                    if slope == 0.0 {
+                        break;
+                    }
+                }
+                weights[number] = f64::midpoint(low, high);
+            }
+            if farthest(self.colour(weights), answer).1 <= tolerance + NEAR {
+                break;
+            }
+        }
+        weights
+    }
+}
+
+/// The channel that is farthest off, and by how much.
+fn farthest(colour: [f64; 4], answer: [f64; 4]) -> (usize, f64) {
+    let mut worst = (0, 0.0);
+    for channel in 0..4 {
+        let off = (colour[channel] - answer[channel]).abs();
+        if off > worst.1 {
+            worst = (channel, off);
+        }
+    }
+    worst
+}

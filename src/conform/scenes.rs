@@ -1,0 +1,172 @@
+//! Every sample of a scene, as the chip answers it, before the judge.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use texunit_hw::{Filter, LodSource, Response, Unit};
+
+use super::{Judge, Precision, Sample, Sampling, Verdict};
+use crate::{
+    error::{Error, Result},
+    front_end::FrontEnd,
+    machine::Machine,
+    names::Named,
+    pyramid::Pyramid,
+    scene::{Fragment, Gradient, Norm, Scene},
+    texture_memory::Held,
+};
+
+/// Which levels are right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LevelRule {
+    /// The level of the machine's own norm, and no other.
+    #[default]
+    Norm,
+    /// Any between the limits the suite sets for a derivative: from log2 of the largest component to log2 of sqrt(2) times the sum of
+    /// the largest of u and the largest of v (OpenGL allows the sum without the root).
+    Suite,
+}
+
+/// What was found of one filter on one scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// The scene.
+    pub scene: String,
+    /// The filter.
+    pub filter: &'static str,
+    /// Samples judged.
+    pub samples: u64,
+    /// Those refused.
+    pub refused: u64,
+    /// Those there was nothing to say about: coordinates so large that they select any texel.
+    pub undecided: u64,
+    /// How far the worst refused answer lies from the allowed ones, at least, in units of the last bit.
+    pub worst: f64,
+    /// The first refused, and the worst.
+    pub explained: Vec<String>,
+}
+
+impl Finding {
+    /// Of answers, in the order they are in.
+    #[must_use]
+    pub fn of(
+        scene: &str,
+        filter: Filter,
+        judge: &Judge<'_>,
+        samples: &[Sample],
+        name: impl Fn(usize) -> String,
+    ) -> Self {
+        let verdicts: Vec<Verdict> = samples.par_iter().map(|sample| judge.verdict(sample)).collect();
+        let mut finding = Self {
+            scene: scene.to_owned(),
+            filter: filter.name(),
+            samples: samples.len() as u64,
+            refused: 0,
+            undecided: 0,
+            worst: 0.0,
+            explained: Vec::new(),
+        };
+        let mut first = None;
+        let mut worst = None;
+        for (number, verdict) in verdicts.iter().enumerate() {
+            match *verdict {
+                Verdict::Allowed => {}
+                Verdict::Undecided => finding.undecided += 1,
+                Verdict::Refused { off, .. } => {
+                    finding.refused += 1;
+                    first.get_or_insert(number);
+                    if off > finding.worst {
+                        finding.worst = off;
+                        worst = Some(number);
+                    }
+                }
+            }
+        }
+        let shown = first.into_iter().chain(worst.filter(|worst| Some(*worst) != first));
+        finding.explained = shown
+            .filter_map(|number| Some(format!("{}: {}", name(number), judge.explain(&samples[number])?)))
+            .collect();
+        finding
+    }
+}
+
+/// What the judge is to know of a machine.
+#[must_use]
+pub fn sampling(machine: &Machine, filter: Filter, address: [texunit_hw::AddressMode; 2]) -> Sampling {
+    let lod = &machine.lod;
+    Sampling { filter, address, bias: lod.bias, min_lod: lod.min, max_lod: lod.max }
+}
+
+/// Smallest and largest right level of a gradient in texels.
+#[must_use]
+pub fn right_levels(rule: LevelRule, norm: Norm, texels: Gradient) -> [f64; 2] {
+    match rule {
+        LevelRule::Norm => [libm::log2(f64::from(norm.squared_ratio(texels))) / 2.0; 2],
+        LevelRule::Suite => {
+            let [u, v] = [[texels.ux, texels.uy], [texels.vx, texels.vy]].map(|[x, y]| x.abs().max(y.abs()));
+            [libm::log2(u.max(v)), libm::log2(std::f64::consts::SQRT_2 * (u + v))]
+        }
+    }
+}
+
+/// The answers of the chip to fragments, as samples.
+///
+/// # Errors
+/// A machine that cannot be built.
+pub fn answers(machine: &Machine, held: &Held, front_end: &FrontEnd, fragments: &[Fragment], rule: LevelRule) -> Result<Vec<Sample>> {
+    let (requests, _) = front_end.requests(fragments);
+    let sampler = machine.sampler(front_end.filter, front_end.address, LodSource::Gradient);
+    let mut unit = Unit::new(&sampler, &held.memory.surface, &held.memory.bytes)
+        .map_err(|error| Error::setting("machine", &machine.name, error.to_string(), "see texunit explain"))?;
+    let mut responses = vec![Response::default(); requests.len()];
+    unit.run(&requests, &mut responses, &mut ());
+    let sample = |(fragment, response): (&Fragment, &Response)| Sample {
+        at: [fragment.u, fragment.v],
+        level: right_levels(rule, machine.lod.norm, fragment.gradient.in_texels(front_end.size)),
+        texel: response.texel,
+    };
+    Ok(fragments.iter().zip(&responses).map(sample).collect())
+}
+
+/// The front end a machine has for a filter of a mipmap.
+#[must_use]
+pub fn front_end(machine: &Machine, filter: Filter, address: [texunit_hw::AddressMode; 2], pyramid: &Pyramid) -> FrontEnd {
+    FrontEnd {
+        filter,
+        address,
+        norm: machine.lod.norm,
+        rule: machine.lod.dipmap_rule,
+        size: [pyramid.width, pyramid.height],
+    }
+}
+
+/// Judges every fragment of a scene, filter by filter.
+///
+/// # Errors
+/// Filters without a rule; a machine that cannot be built.
+pub fn judge_scene(
+    machine: &Machine,
+    scene: &Scene,
+    filters: &[Filter],
+    precision: Precision,
+    rule: LevelRule,
+    mut done: impl FnMut(&Finding),
+) -> Result<Vec<Finding>> {
+    let texture = scene.texture.texture_image();
+    let held = machine.texture.hold(texunit_hw::PyramidKind::Mipmap, &texture)?;
+    let fragments: Vec<Fragment> = scene.fragments().collect();
+    let mut findings = Vec::new();
+    for &filter in filters {
+        let address = scene.texture.wrap;
+        let judge = Judge::new(&held.pyramid, sampling(machine, filter, address), precision)?;
+        let front_end = front_end(machine, filter, address, &held.pyramid);
+        let samples = answers(machine, &held, &front_end, &fragments, rule)?;
+        let name = |number: usize| {
+            let Fragment { x, y, .. } = fragments[number];
+            format!("{}, {}, pixel ({x}, {y})", scene.name, filter.name())
+        };
+        let finding = Finding::of(&scene.name, filter, &judge, &samples, name);
+        done(&finding);
+        findings.push(finding);
+    }
+    Ok(findings)
+}
