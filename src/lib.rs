@@ -16,6 +16,7 @@ pub mod machine;
 pub mod names;
 pub mod output;
 pub mod pareto;
+pub mod peers;
 pub mod pyramid;
 pub mod reference;
 pub mod report;

@@ -41,6 +41,8 @@ mod lanes;
 
 pub mod decompression;
 
+pub mod peers;
+
 pub mod timing;
 
 pub mod unit;

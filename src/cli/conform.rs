@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::ArgAction;
 use comfy_table::{CellAlignment, Table, presets};
-use texunit_hw::Filter;
+use texunit_hw::{Filter, peers::MACHINES};
 
 use super::{progress_bar, run::scenes, run::size};
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
         scenes::{Finding, LevelRule, judge_scene},
         unknown,
     },
-    error::{Error, Result},
+    error::Result,
     machine::{Machine, PROFILES, parser},
     names::Named,
     output::print,
@@ -145,47 +145,68 @@ fn run_largest(args: &Args, filters: &[Filter], precision: Precision) -> Result<
     let names: Vec<&str> =
         args.machine.as_deref().map_or_else(|| PROFILES.iter().map(|(name, _)| *name).collect(), |name| vec![name]);
     let machines = names.iter().map(|name| Machine::load(name, &args.set)).collect::<Result<Vec<_>>>()?;
-    if machines.is_empty() {
-        return Err(Error::setting("--machine", "", "no machine", "name one"));
-    }
-    let progress = progress_bar((machines.len() * filters.len()) as u64);
-    let mut rows: Vec<(String, &'static str, Largest)> = Vec::new();
-    for machine in &machines {
-        for &filter in filters {
+    let peers = if args.machine.is_some() { &[] } else { MACHINES };
+    let progress = progress_bar(((machines.len() + peers.len()) * filters.len()) as u64);
+    let mut rows: Vec<Row> = Vec::new();
+    for &filter in filters {
+        for machine in &machines {
             progress.set_message(machine.name.clone());
-            rows.push((machine.name.clone(), filter.name(), largest::of_machine(machine, filter, precision)?));
+            let largest = largest::of_machine(machine, filter, precision)?;
+            rows.push(Row { kind: "machine", name: machine.name.clone(), filter: filter.name(), largest });
+            progress.inc(1);
+        }
+        for peer in peers {
+            progress.set_message(peer.name);
+            if let Some(largest) = largest::of_peer(peer, filter, precision)? {
+                rows.push(Row { kind: "arithmetic", name: peer.name.into(), filter: filter.name(), largest });
+            }
             progress.inc(1);
         }
     }
     progress.finish_and_clear();
     if args.json {
-        let rows: Vec<_> = rows
-            .iter()
-            .map(|(machine, filter, largest)| serde_json::json!({ "machine": machine, "filter": filter, "largest": largest }))
-            .collect();
         let report = serde_json::json!({ "subtexel": precision.subtexel, "mipmap": precision.mipmap, "rows": rows });
         print(|out| writeln!(out, "{report:#}"))?;
     } else {
-        let mut table = Table::new();
-        let header = ["machine", "filter", "largest power of two", "largest of 2^k - 1"];
-        table.load_style(presets::UTF8_BORDERS_ONLY).set_header(header);
-        for (machine, filter, largest) in &rows {
-            let size = |size: Option<u32>| size.map_or_else(|| "none".into(), |size| size.to_string());
-            table.add_row([machine.clone(), (*filter).into(), size(largest.power_of_two), size(largest.odd)]);
-        }
         print(|out| {
-            writeln!(out, "{table}")?;
+            writeln!(out, "{}", largest_table(&rows))?;
             writeln!(
                 out,
-                "Sides of textures from {} to {} texels at which all samples are allowed, {} sub-texel and {} level bits",
+                "Sides of textures, from {} to {} texels, up to which all samples are allowed at {} sub-texel and {} level bits.\n\
+                 arithmetic: the sums of another machine alone (texunit peers); machine: this unit, set as the profile says",
                 1 << largest::SIZES.start(),
                 1 << largest::SIZES.end(),
                 precision.subtexel,
                 precision.mipmap
             )
         })?;
+        if let (Some(_), Some(row)) = (&args.machine, rows.first()) {
+            row.largest.why.iter().for_each(|why| eprintln!("texunit: {}, {}: {why}", row.name, row.filter));
+        }
     }
-    // A question of how far, not of whether; but who passes nowhere fails.
-    let nowhere = rows.iter().any(|(.., largest)| largest.power_of_two.is_none());
+    // A question of how far, not of whether; but who is asked for by name and passes nowhere fails.
+    let nowhere = rows.iter().any(|row| row.largest.power_of_two.is_none());
     Ok(if nowhere && args.machine.is_some() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+#[derive(serde::Serialize)]
+struct Row {
+    kind: &'static str,
+    name: String,
+    filter: &'static str,
+    largest: Largest,
+}
+
+fn largest_table(rows: &[Row]) -> Table {
+    let mut table = Table::new();
+    let header = ["", "machine", "filter", "largest 2^k", "largest 2^k - 1"];
+    table.load_style(presets::UTF8_BORDERS_ONLY).set_header(header);
+    for column in table.column_iter_mut().skip(3) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    for Row { kind, name, filter, largest } in rows {
+        let size = |size: Option<u32>| size.map_or_else(|| "none".into(), |size| size.to_string());
+        table.add_row([(*kind).into(), name.clone(), (*filter).into(), size(largest.power_of_two), size(largest.odd)]);
+    }
+    table
 }

@@ -10,6 +10,7 @@ mod lod;
 mod mips;
 mod paper;
 mod pareto;
+mod peers;
 mod report;
 mod reuse;
 mod run;
@@ -54,6 +55,7 @@ enum Command {
     Mips(mips::Args),
     Paper(paper::Args),
     Pareto(pareto::Args),
+    Peers(peers::Args),
     Report(report::Args),
     Reuse(reuse::Args),
     Run(run::Args),
@@ -117,6 +119,7 @@ pub fn main() -> ExitCode {
         Command::Mips(args) => mips::run(args),
         Command::Paper(args) => paper::run(&args),
         Command::Pareto(args) => pareto::run(&args),
+        Command::Peers(args) => peers::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Reuse(args) => reuse::run(&args),
         Command::Run(args) => run::run(&args),

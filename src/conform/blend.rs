@@ -81,7 +81,8 @@ impl Blend {
     }
 
     fn colour(&self, weights: [f64; 5]) -> [f64; 4] {
-        let [first, second] = [0, 1].map(|level| self.patches[level].colour([weights[2 * level], weights[2 * level + 1]]));
+        let [first, second] =
+            [0, 1].map(|level| self.patches[level].colour([weights[2 * level], weights[2 * level + 1]]));
         [0, 1, 2, 3].map(|channel| first[channel] + (second[channel] - first[channel]) * weights[4])
     }
 
@@ -123,19 +124,21 @@ impl Blend {
                     self.colour(weights)
                 };
                 let [zero, one] = [at(0.0), at(1.0)];
+                let slope = |weight: f64| -> f64 {
+                    let channels = zero.iter().zip(one).zip(answer);
+                    channels
+                        .map(|((&zero, one), answer)| {
+                            let beyond = zero + (one - zero) * weight - answer;
+                            (one - zero) * (beyond - beyond.clamp(-tolerance, tolerance))
+                        })
+                        .sum()
+                };
+                if slope(weights[number]) == 0.0 {
+                    continue;
+                }
                 for _ in 0..HALVINGS {
                     let middle = f64::midpoint(low, high);
-                    let slope: f64 = (0..4)
-                        .map(|channel| {
-                            let rise = one[channel] - zero[channel];
-                            let beyond = zero[channel] + rise * middle - answer[channel];
-                            rise * (beyond - beyond.clamp(-tolerance, tolerance))
-                        })
-                        .sum();
-                    if slope > 0.0 { high = middle } else { low = middle }
-                    if slope == 0.0 {
-                        break;
-                    }
+                    if slope(middle) > 0.0 { high = middle } else { low = middle }
                 }
                 weights[number] = f64::midpoint(low, high);
             }

@@ -6,7 +6,10 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use texunit_hw::{AddressMode, Filter, PyramidKind};
+use texunit_hw::{
+    AddressMode, Filter, PyramidKind,
+    peers::{Arithmetic, Blend},
+};
 
 use super::{
     Judge, Precision, Sample, Verdict,
@@ -16,7 +19,8 @@ use crate::{
     error::Result,
     experiment::verify::SplitMix,
     machine::Machine,
-    pyramid::PlaneImage,
+    peers::{Mipmap, coordinate, to_8_bits},
+    pyramid::{Build, PlaneImage},
     scene::{Fragment, Gradient},
 };
 
@@ -101,9 +105,37 @@ pub fn of_machine(machine: &Machine, filter: Filter, precision: Precision) -> Re
     })
 }
 
+/// The same of the arithmetic of another machine: bilinear on level 0, and trilinear where it blends levels.
+///
+/// # Errors
+/// A filter without a rule; a strip without a mipmap.
+pub fn of_peer(peer: &Arithmetic, filter: Filter, precision: Precision) -> Result<Option<Largest>> {
+    let trilinear = filter == Filter::Trilinear && peer.blend != Blend::None;
+    if !trilinear && filter != Filter::Bilinear {
+        return Ok(None);
+    }
+    let found = largest(|size| {
+        let pyramid = Build::default().pyramid(PyramidKind::Mipmap, &strip(size))?;
+        let address = [AddressMode::Wrap; 2];
+        let judge = Judge::new(&pyramid, sampling(&Machine::default(), filter, address), precision)?;
+        let samples: Vec<Sample> = fragments(size, SAMPLES)
+            .par_iter()
+            .map(|fragment| {
+                let ratio = if trilinear { (fragment.gradient.ux * f64::from(size)) as f32 } else { 1.0 };
+                let at = [fragment.u, fragment.v];
+                let colour = peer.sample(&Mipmap(&pyramid), at.map(coordinate), ratio.to_bits(), address);
+                Sample { at, level: [libm::log2(f64::from(ratio)); 2], texel: to_8_bits(peer, colour) }
+            })
+            .collect();
+        Ok(first_refused(&judge, &samples, size))
+    })?;
+    Ok(Some(found))
+}
+
 /// The first answer refused, in words.
 #[must_use]
 pub fn first_refused(judge: &Judge<'_>, samples: &[Sample], size: u32) -> Option<String> {
-    let number = samples.par_iter().position_first(|sample| matches!(judge.verdict(sample), Verdict::Refused { .. }))?;
+    let number =
+        samples.par_iter().position_first(|sample| matches!(judge.verdict(sample), Verdict::Refused { .. }))?;
     Some(format!("{size} x {ROWS}, sample {number}: {}", judge.explain(&samples[number])?))
 }

@@ -176,7 +176,9 @@ impl<'p> Judge<'p> {
             for patch in &lower {
                 for other in 0..upper.len().max(1) {
                     let blend = Blend { patches: [*patch, *upper.get(other).unwrap_or(patch)], blend };
-                    let Some(miss) = blend.miss(answer, self.precision.tolerance, search) else { return Nearest::Found };
+                    let Some(miss) = blend.miss(answer, self.precision.tolerance, search) else {
+                        return Nearest::Found;
+                    };
                     if !matches!(&nearest, Nearest::Miss(known, _) if known.off <= miss.off) {
                         nearest = Nearest::Miss(miss, levels);
                     }
@@ -208,9 +210,7 @@ impl<'p> Judge<'p> {
         let pairs = allowed.low.floor() as usize..=allowed.high.floor() as usize;
         Some(
             pairs
-                .map(|level| {
-                    ([level, (level + 1).min(self.planes.len() - 1)], allowed.within(level as f64))
-                })
+                .map(|level| ([level, (level + 1).min(self.planes.len() - 1)], allowed.within(level as f64)))
                 .collect(),
         )
     }
@@ -218,7 +218,8 @@ impl<'p> Judge<'p> {
     /// Every set of texels there can be on a level; none if there are too many.
     fn patches(&self, sample: &Sample, level: usize) -> Option<Vec<Patch>> {
         let plane = self.planes[level];
-        let [across, down] = [(0, plane.width), (1, plane.height)].map(|(axis, size)| self.texels(sample.at[axis], size));
+        let [across, down] =
+            [(0, plane.width), (1, plane.height)].map(|(axis, size)| self.texels(sample.at[axis], size));
         let [across, down] = [across?, down?];
         let cells = |interval: Interval| interval.low.floor() as i64..=interval.high.floor() as i64;
         let point = self.sampling.filter == Filter::Point;
@@ -227,7 +228,8 @@ impl<'p> Judge<'p> {
             for i in cells(across) {
                 let reach = if point { [0, 0, 0, 0] } else { [0, 1, 2, 3] };
                 let corners = reach.map(|corner| self.texel(plane, i + (corner & 1), j + (corner >> 1)));
-                let within = |interval: Interval, cell: i64| if point { Interval::ZERO } else { interval.within(cell as f64) };
+                let within =
+                    |interval: Interval, cell: i64| if point { Interval::ZERO } else { interval.within(cell as f64) };
                 patches.push(Patch { corners, weights: [within(across, i), within(down, j)] });
             }
         }
@@ -242,8 +244,8 @@ impl<'p> Judge<'p> {
         }
         let size = f64::from(size);
         let exponent = if coordinate == 0.0 { -1022 } else { libm::ilogb(coordinate) };
-        let slack = exp2(exponent - i32::from(self.precision.coordinate)) * size
-            + exp2(-i32::from(self.precision.subtexel));
+        let slack =
+            exp2(exponent - i32::from(self.precision.coordinate)) * size + exp2(-i32::from(self.precision.subtexel));
         let centre = coordinate * size - if self.sampling.filter == Filter::Point { 0.0 } else { 0.5 };
         let interval = Interval { low: centre - slack, high: centre + slack };
         (slack < MOST_CELLS / 2.0).then_some(interval)

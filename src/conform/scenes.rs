@@ -112,7 +112,13 @@ pub fn right_levels(rule: LevelRule, norm: Norm, texels: Gradient) -> [f64; 2] {
 ///
 /// # Errors
 /// A machine that cannot be built.
-pub fn answers(machine: &Machine, held: &Held, front_end: &FrontEnd, fragments: &[Fragment], rule: LevelRule) -> Result<Vec<Sample>> {
+pub fn answers(
+    machine: &Machine,
+    held: &Held,
+    front_end: &FrontEnd,
+    fragments: &[Fragment],
+    rule: LevelRule,
+) -> Result<Vec<Sample>> {
     let (requests, _) = front_end.requests(fragments);
     let sampler = machine.sampler(front_end.filter, front_end.address, LodSource::Gradient);
     let mut unit = Unit::new(&sampler, &held.memory.surface, &held.memory.bytes)
@@ -129,7 +135,12 @@ pub fn answers(machine: &Machine, held: &Held, front_end: &FrontEnd, fragments: 
 
 /// The front end a machine has for a filter of a mipmap.
 #[must_use]
-pub fn front_end(machine: &Machine, filter: Filter, address: [texunit_hw::AddressMode; 2], pyramid: &Pyramid) -> FrontEnd {
+pub fn front_end(
+    machine: &Machine,
+    filter: Filter,
+    address: [texunit_hw::AddressMode; 2],
+    pyramid: &Pyramid,
+) -> FrontEnd {
     FrontEnd {
         filter,
         address,
