@@ -1,6 +1,6 @@
 //! The machines: peers.md (b1), one row each.
 
-use super::{Arithmetic, Blend, Coordinate, LEVEL_BITS, LevelUnit, Logarithm, Rounding, Shape, Space, Weights};
+use super::{Arithmetic, Blend, Coordinate, LevelUnit, Logarithm, Rounding, Shape, Space, Weights};
 
 const fn texels(bits: u32) -> Coordinate {
     Coordinate { space: Space::Texels, bits, nearest: false, half_texel: true }
@@ -110,7 +110,7 @@ pub const MACHINES: &[Arithmetic] = &[
         weights: Weights::Binary,
         rounding: Rounding::StagedTruncate,
         full_scale: 255,
-        level: level(0, Logarithm::Exact, LEVEL_BITS),
+        level: level(0, Logarithm::Exact, 16),
         blend: Blend::Lerp { bits: 4, weights: Weights::Binary, rounding: Rounding::StagedTruncate },
     },
     Arithmetic {
@@ -149,7 +149,7 @@ pub const MACHINES: &[Arithmetic] = &[
         weights: Weights::AlwaysComplement,
         rounding: Rounding::UpperHalves,
         full_scale: 65535,
-        level: level(2, Logarithm::Linear, LEVEL_BITS),
+        level: level(2, Logarithm::Linear, 16),
         blend: Blend::Lerp { bits: 16, weights: Weights::AlwaysComplement, rounding: Rounding::UpperHalves },
     },
     Arithmetic {

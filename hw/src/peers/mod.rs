@@ -20,8 +20,8 @@ use crate::coordinate::{AddressMode, resolve};
 
 /// Fraction bits of a coordinate handed to [`Arithmetic::sample`]; 1.0 is one repeat of the texture.
 pub const COORDINATE_BITS: u32 = 40;
-/// Fraction bits of a level.
-pub const LEVEL_BITS: u32 = 16;
+/// Fraction bits of a level: those of an f32, so that what is linear in its significand loses nothing.
+pub const LEVEL_BITS: u32 = 23;
 
 /// Of what a coordinate register counts its fractions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
