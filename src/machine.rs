@@ -1,6 +1,6 @@
 //! The machine: every knob an architect turns, as one TOML file, with `--set section.key=value` on top.
 
-use std::{fs, ops::Range, path::Path};
+use std::{ops::Range, path::Path};
 
 use serde::{Deserialize, Serialize};
 use texunit_hw::{
@@ -15,6 +15,7 @@ use crate::{
     names::{Named, by_name},
     pyramid::Build,
     scene::{AxisRule, Norm},
+    text_file,
     texture_memory::Decompress,
     timing_settings::{self, MemorySettings, TimingSettings},
 };
@@ -217,7 +218,7 @@ impl Machine {
     pub fn load(profile: &str, settings: &[String]) -> Result<Self> {
         let text = match PROFILES.iter().find(|(name, _)| *name == profile) {
             Some((_, text)) => (*text).to_owned(),
-            None if Path::new(profile).exists() => fs::read_to_string(profile).map_err(Error::io(profile))?,
+            None if Path::new(profile).exists() => text_file::read(Path::new(profile))?,
             None => {
                 let names: Vec<_> = PROFILES.iter().map(|(name, _)| *name).collect();
                 let remedy = format!("name a TOML file, or one of {}", names.join(", "));

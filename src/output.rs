@@ -8,11 +8,22 @@ use std::{
 
 use crate::error::{Error, Result};
 
-/// Writes `path` through `fill`; on any failure the target is left as it was.
+/// Writes `path` through `fill`; on any failure the target is left as it was. A link is followed; what is there and is no file (a
+/// device such as /dev/null, a pipe) is written to as it is: a rename would put a file in its place.
 ///
 /// # Errors
 /// [`Error::Io`] naming `path`.
 pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
+    let name = path;
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let path = target.as_path();
+    if fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        let write = || {
+            let mut file = BufWriter::new(fs::OpenOptions::new().write(true).open(path)?);
+            fill(&mut file).and_then(|()| file.flush())
+        };
+        return write().map_err(Error::io(name));
+    }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let write = || -> std::io::Result<()> {
         let mut file = tempfile::Builder::new().prefix(".texunit-").suffix(".tmp").tempfile_in(folder)?;
@@ -29,7 +40,7 @@ pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Re
         file.persist(path).map_err(|failed| failed.error)?;
         Ok(())
     };
-    write().map_err(Error::io(path))
+    write().map_err(Error::io(name))
 }
 
 /// Creates a folder and its parents.

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 use texunit_hw::peers::{
-    Arithmetic, COORDINATE_BITS, Colour, LEVEL_BITS, LevelUnit, Logarithm, MACHINES, Shape, Texels,
+    Arithmetic, COORDINATE_BITS, Colour, LEVEL_BITS, LevelUnit, Logarithm, MACHINES, Shape, Texels, Weights,
 };
 
 use crate::{

@@ -71,7 +71,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    println!("Drift of the mean after {} levels, per cent of full scale; expected: steps of the channel.", args.levels);
-    println!("{table}");
+    say!("Drift of the mean after {} levels, per cent of full scale; expected: steps of the channel.", args.levels);
+    say!("{table}");
     Ok(ExitCode::SUCCESS)
 }

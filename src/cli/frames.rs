@@ -76,8 +76,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             progress.inc(1);
         }
         progress.suspend(|| {
-            println!("\n{}: {} frames of {} x {}", scene.name, scene.frame_count(), scene.size[0], scene.size[1]);
-            println!("{}", table(&flickers));
+            say!("\n{}: {} frames of {} x {}", scene.name, scene.frame_count(), scene.size[0], scene.size[1]);
+            say!("{}", table(&flickers));
         });
         let filters: Vec<Value> = flickers
             .iter()

@@ -27,10 +27,10 @@ pub struct Args {}
 /// # Errors
 /// None.
 pub fn run(_args: &Args) -> Result<ExitCode> {
-    println!("log2 units: error in levels\n{}", ladder_table());
-    println!("\nNorms: level of six footprints (E3); sigma1 is the truth\n{}", norm_table());
-    println!("\nA level for the whole polygon: 256 x 256 texture on a square (E4, E15)\n{}", polygon_table());
-    println!("\n{}", edge_line()?);
+    say!("log2 units: error in levels\n{}", ladder_table());
+    say!("\nNorms: level of six footprints (E3); sigma1 is the truth\n{}", norm_table());
+    say!("\nA level for the whole polygon: 256 x 256 texture on a square (E4, E15)\n{}", polygon_table());
+    say!("\n{}", edge_line()?);
     Ok(ExitCode::SUCCESS)
 }
 

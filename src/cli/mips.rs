@@ -129,7 +129,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
         planes: stored.planes.iter().map(|plane| PlaneListing::of(plane, args.format)).collect(),
     };
     write_planes(&args.out, &stored, &pyramid, &listing)?;
-    print_table(&listing);
+    print_table(&listing)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -173,7 +173,7 @@ fn write_planes(folder: &Path, stored: &Stored, pyramid: &Pyramid, listing: &Lis
     })
 }
 
-fn print_table(listing: &Listing) {
+fn print_table(listing: &Listing) -> Result<()> {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(["lu", "lv", "width", "height", "bytes", "file"]);
     for plane in &listing.planes {
@@ -189,11 +189,12 @@ fn print_table(listing: &Listing) {
     for column in table.column_iter_mut().take(5) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    println!("{table}");
-    println!(
+    say!("{table}");
+    say!(
         "{} bytes in all: {:.4} times the texture, as {}",
         listing.bytes,
         listing.memory_multiple,
         listing.format.name()
     );
+    Ok(())
 }

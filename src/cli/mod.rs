@@ -1,5 +1,13 @@
 //! The command line: one file per subcommand, each with its `Args` and its `run`.
 
+/// `println!` for functions that can fail: a full disk behind standard output is an error, not a panic, and a reader gone away is none.
+macro_rules! say {
+    ($($part:tt)*) => {{
+        let line = format!($($part)*);
+        $crate::output::print(|out| writeln!(out, "{line}"))?
+    }};
+}
+
 mod cache;
 mod conform;
 mod drift;

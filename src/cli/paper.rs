@@ -56,7 +56,7 @@ const COLUMNS: [(&str, Filter, Option<AxisRule>, Option<usize>); 6] = [
 /// Bad machines.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
-    println!("Table I of Du & Wan: us a pixel, and the ratio to Mipmap\n{}", published());
+    say!("Table I of Du & Wan: us a pixel, and the ratio to Mipmap\n{}", published());
     for scene in Scene::builtins()? {
         let TextureSource::Procedural(texture) = &scene.texture.source else { continue };
         let Some(row) = TABLE_ONE.iter().find(|row| row.pattern == texture.pattern) else { continue };
@@ -64,10 +64,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             continue;
         }
         let stage = Stage::new(scene);
-        println!("\n{}, {} pixels, as figure {}", stage.scene.name, stage.fragments.len(), row.figure);
-        println!("{}", measured(&stage, &machine, row, args.repeats)?);
+        say!("\n{}, {} pixels, as figure {}", stage.scene.name, stage.fragments.len(), row.figure);
+        say!("{}", measured(&stage, &machine, row, args.repeats)?);
     }
-    println!(
+    say!(
         "\nAlias energy: variance that white noise keeps, as a multiple of Mipmap's, and the largest deviation (of 127.5) that \
          stripes of period 2 keep, at the same minification along both axes\n{}",
         aliases(&machine)?

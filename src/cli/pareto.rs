@@ -101,7 +101,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         mark_front(&mut candidates, &args.error, &args.cost);
         let svg = plot(&stage.scene.name, &candidates, &args.error, &args.cost).svg();
         write_whole(&args.output.join(format!("{}.svg", stage.scene.name)), |file| file.write_all(svg.as_bytes()))?;
-        progress.suspend(|| print(&stage.scene.name, &candidates, args));
+        progress.suspend(|| print(&stage.scene.name, &candidates, args))?;
         studied.push((stage.scene.name.clone(), candidates));
     }
     progress.finish_and_clear();
@@ -110,7 +110,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 }
 
 /// The front, cheapest first, and how many variants it left behind.
-fn print(scene: &str, candidates: &[Candidate], args: &Args) {
+fn print(scene: &str, candidates: &[Candidate], args: &Args) -> Result<()> {
     let mut table = Table::new();
     let columns = [
         args.cost.as_str(),
@@ -139,13 +139,14 @@ fn print(scene: &str, candidates: &[Candidate], args: &Args) {
     }
     table.column_iter_mut().skip(2).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
     let sense = if MORE_IS_BETTER.contains(&args.error.as_str()) { "more" } else { "less" };
-    println!(
+    say!(
         "\n{scene}: {} of {} variants are on the front ({sense} {} is better)",
         front.len(),
         candidates.len(),
         args.error
     );
-    println!("{table}");
+    say!("{table}");
+    Ok(())
 }
 
 fn write(args: &Args, machine: &Machine, studied: &[(String, Vec<Candidate>)]) -> Result<()> {
@@ -183,6 +184,6 @@ fn write(args: &Args, machine: &Machine, studied: &[(String, Vec<Candidate>)]) -
         }
         csv.flush()
     })?;
-    println!("\nTables and plots: {}", args.output.display());
+    say!("\nTables and plots: {}", args.output.display());
     Ok(())
 }

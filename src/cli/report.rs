@@ -34,6 +34,6 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let results = args.folders.iter().map(|folder| Results::read(folder, format)).collect::<Result<Vec<_>>>()?;
     let text = page(&args.title, &results);
     write_whole(&args.output, |file| file.write_all(text.as_bytes()))?;
-    println!("{}", args.output.display());
+    say!("{}", args.output.display());
     Ok(ExitCode::SUCCESS)
 }

@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         let all: Vec<Reuse> = filters.par_iter().map(study).collect::<Result<_>>()?;
         let svg = miss_curves(&scene.name, &all).svg();
         write_whole(&args.output.join(format!("{}.svg", scene.name)), |file| file.write_all(svg.as_bytes()))?;
-        progress.suspend(|| print(scene, &all));
+        progress.suspend(|| print(scene, &all))?;
         let filters: Vec<Value> = all.iter().map(Reuse::json).collect();
         studied.push(json!({ "scene": scene.name, "size": scene.size, "filters": filters }));
     }
@@ -77,7 +77,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         "scenes": studied,
     });
     write_whole(&args.output.join("reuse.json"), |file| writeln!(file, "{value:#}"))?;
-    println!("\nCurves: {}", args.output.display());
+    say!("\nCurves: {}", args.output.display());
     Ok(ExitCode::SUCCESS)
 }
 
@@ -98,9 +98,9 @@ fn miss_curves(scene: &str, all: &[Reuse]) -> Plot {
     }
 }
 
-fn print(scene: &Scene, all: &[Reuse]) {
+fn print(scene: &Scene, all: &[Reuse]) -> Result<()> {
     let [width, height] = scene.size;
-    println!("\n{}: {width} x {height}, {} frames", scene.name, scene.frame_count());
+    say!("\n{}: {width} x {height}, {} frames", scene.name, scene.frame_count());
     let mut table = Table::new();
     table.load_style(presets::UTF8_BORDERS_ONLY).set_header([
         "filter",
@@ -131,5 +131,6 @@ fn print(scene: &Scene, all: &[Reuse]) {
         ]);
     }
     table.column_iter_mut().skip(1).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
-    println!("{table}");
+    say!("{table}");
+    Ok(())
 }

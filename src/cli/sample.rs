@@ -10,6 +10,7 @@ use std::{
 use texunit_hw::{AddressMode, Filter, LodSource, Request, Response, Sampler, Unit};
 
 use crate::{
+    coordinate_rows::{BLOCK, Columns, Row, RowDetail, Rows},
     error::{Error, Result},
     front_end::{FrontEnd, coordinates},
     machine::{Machine, parser, to_level},
@@ -21,8 +22,6 @@ use crate::{
         ewa::Ewa,
         ideal::{Detail, Ideal, IdealSampler},
     },
-    scene::{Fragment, Gradient},
-    text_lines::TextLines,
     texture_file,
     texture_memory::{Held, TextureMemory},
 };
@@ -65,19 +64,6 @@ enum Model {
     Reference,
     Ideal,
 }
-
-/// Rows sampled at a time.
-const BLOCK: usize = 1 << 14;
-
-/// What a row says beside u and v.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Columns {
-    Level,
-    Gradient,
-}
-
-const LEVEL_COLUMNS: &[&str] = &["u", "v", "lod"];
-const GRADIENT_COLUMNS: &[&str] = &["u", "v", "dudx", "dvdx", "dudy", "dvdy"];
 
 /// Runs the command.
 ///
@@ -138,8 +124,8 @@ struct Session<'a> {
 
 impl Session<'_> {
     /// Answers every row; an error of the writer is returned inside, one of the rows outside.
-    fn answer(&self, rows: &mut Rows, output: &mut dyn Write) -> Result<Option<io::Error>> {
-        let source = if rows.columns == Columns::Level { LodSource::Explicit } else { LodSource::Gradient };
+    fn answer(&self, rows: &mut Rows<Box<dyn BufRead>>, output: &mut dyn Write) -> Result<Option<io::Error>> {
+        let source = if rows.columns() == Columns::Level { LodSource::Explicit } else { LodSource::Gradient };
         let sampler = self.machine.sampler(self.filter, self.address, source);
         let per_axis = self.filter.level_per_axis();
         let mut text = format!("r,g,b,a,lod{}\n", if per_axis { ",lod_v" } else { "" });
@@ -245,115 +231,4 @@ impl Session<'_> {
             RowDetail::Gradient(_) => self.front_end().request(&row.fragment()),
         }
     }
-}
-
-/// One row of the input.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    u: f64,
-    v: f64,
-    detail: RowDetail,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum RowDetail {
-    Level(f64),
-    Gradient(Gradient),
-}
-
-impl Row {
-    /// The gradient; of a level, that of a round footprint.
-    fn gradient(&self, size: [u32; 2]) -> Gradient {
-        match self.detail {
-            RowDetail::Gradient(gradient) => gradient,
-            RowDetail::Level(level) => {
-                let [ux, vy] = size.map(|texels| libm::exp2(level) / f64::from(texels));
-                Gradient { ux, vy, ..Gradient::default() }
-            }
-        }
-    }
-
-    fn fragment(&self) -> Fragment {
-        let gradient = match self.detail {
-            RowDetail::Gradient(gradient) => gradient,
-            RowDetail::Level(_) => Gradient::default(),
-        };
-        Fragment { x: 0, y: 0, u: self.u, v: self.v, gradient }
-    }
-}
-
-/// The rows of a CSV file, read in blocks. Numbers need no quotes: they are taken off where a spreadsheet put them.
-struct Rows {
-    lines: TextLines<Box<dyn BufRead>>,
-    columns: Columns,
-    /// Which value each place of a row holds, in the order of the names.
-    values: Vec<usize>,
-}
-
-impl Rows {
-    fn new(path: &Path, input: Box<dyn BufRead>) -> Result<Self> {
-        let mut lines = TextLines::new(path, input);
-        lines.advance()?;
-        let names: Vec<&str> = fields(lines.text().trim_start_matches('\u{FEFF}')).collect();
-        // Every column once, and no other.
-        let values = |columns: &[&str]| -> Option<Vec<usize>> {
-            let all = columns.iter().all(|column| names.contains(column)) && names.len() == columns.len();
-            names
-                .iter()
-                .map(|name| columns.iter().position(|column| column == name))
-                .collect::<Option<_>>()
-                .filter(|_| all)
-        };
-        let found = values(GRADIENT_COLUMNS).map(|values| (Columns::Gradient, values));
-        match found.or_else(|| values(LEVEL_COLUMNS).map(|values| (Columns::Level, values))) {
-            Some((columns, values)) => Ok(Self { lines, columns, values }),
-            None => {
-                let problem = format!("the columns are `{}`", names.join(","));
-                Err(lines.error(problem, "name them u,v,lod or u,v,dudx,dvdx,dudy,dvdy, in any order"))
-            }
-        }
-    }
-
-    /// Replaces `block` with the next rows; empty at the end.
-    fn block(&mut self, block: &mut Vec<Row>) -> Result<()> {
-        block.clear();
-        while block.len() < BLOCK && self.lines.advance()? {
-            if !self.lines.text().is_empty() {
-                block.push(self.row().map_err(|problem| {
-                    self.lines.error(problem, "give one number for each column of the first line")
-                })?);
-            }
-        }
-        Ok(())
-    }
-
-    /// The row of a line, or what is wrong with it.
-    fn row(&self) -> Result<Row, String> {
-        let columns = self.values.len();
-        let mut values = [0.0f64; 6];
-        let mut found = 0;
-        for text in fields(self.lines.text()) {
-            if let Some(&value) = self.values.get(found) {
-                values[value] = text.parse().map_err(|_| {
-                    let names = if self.columns == Columns::Level { LEVEL_COLUMNS } else { GRADIENT_COLUMNS };
-                    format!("{} = `{text}` is not a number", names[value])
-                })?;
-            }
-            found += 1;
-        }
-        if found != columns {
-            return Err(format!("{found} values where {columns} columns are named"));
-        }
-        let [u, v, ux, vx, uy, vy] = values;
-        let detail = match self.columns {
-            Columns::Level => RowDetail::Level(ux),
-            Columns::Gradient => RowDetail::Gradient(Gradient { ux, uy, vx, vy }),
-        };
-        Ok(Row { u, v, detail })
-    }
-}
-
-/// The fields of a line of CSV.
-fn fields(line: &str) -> impl Iterator<Item = &str> {
-    line.split(',').map(|field| field.trim().trim_matches('"').trim())
 }

@@ -1,7 +1,6 @@
 //! `texunit sweep`: thousands of machines from one file.
 
 use std::{
-    io::Write,
     path::{Path, PathBuf},
     process::ExitCode,
     sync::atomic::Ordering,
@@ -14,6 +13,7 @@ use super::{STOP, progress_bar, stop_on_ctrl_c};
 use crate::{
     error::{Error, Result},
     names::Named,
+    output::print,
     sweep::{Plan, Point, Store, script},
 };
 
@@ -89,10 +89,10 @@ impl Common {
 
     fn merge(&self, plan: &Plan, store: &Store) -> Result<()> {
         let rows = store.rows(plan)?;
-        println!("{}", store.write_csv(plan, &rows)?.display());
+        say!("{}", store.write_csv(plan, &rows)?.display());
         #[cfg(feature = "parquet")]
         if self.parquet {
-            println!("{}", store.write_parquet(plan, &rows)?.display());
+            say!("{}", store.write_parquet(plan, &rows)?.display());
         }
         Ok(())
     }
@@ -131,7 +131,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     match &args.action {
         Action::Plan(common) => {
             let (plan, output) = common.plan()?;
-            list(&plan, &output);
+            list(&plan, &output)?;
         }
         Action::Run(common) => {
             let (plan, output) = common.plan()?;
@@ -166,19 +166,19 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             let (plan, output) = common.plan()?;
             let absolute = |path: &Path| std::path::absolute(path).map_err(Error::io(path));
             let program = std::env::current_exe().map_err(Error::io("texunit"))?;
-            print!("{}", script(&plan, &program, &absolute(&common.file)?, &absolute(&output)?, *tasks, *at_once));
+            let script = script(&plan, &program, &absolute(&common.file)?, &absolute(&output)?, *tasks, *at_once);
+            print(|out| write!(out, "{script}"))?;
         }
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn list(plan: &Plan, output: &Path) {
-    let mut out = std::io::stdout().lock();
+fn list(plan: &Plan, output: &Path) -> Result<()> {
     let caches = plan.caches.len();
     let head =
         format!("{}: {} points of {caches} caches each, into {}", plan.name, plan.points.len(), output.display());
-    // A reader that has seen enough (`| head`) is no failure.
-    let _ = writeln!(out, "{head}").and_then(|()| {
+    print(|out| {
+        writeln!(out, "{head}")?;
         plan.points.iter().try_for_each(|point| {
             let scene = &plan.stages[point.stage].scene;
             let settings: Vec<String> = point.settings.iter().map(|(key, value)| format!("{key}={value}")).collect();

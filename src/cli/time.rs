@@ -67,7 +67,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<ExitCode> {
     if args.definitions {
         for (name, definition) in TimingCounters::FIELDS {
-            println!("{name}:{definition}");
+            say!("{name}:{definition}");
         }
         return Ok(ExitCode::SUCCESS);
     }
@@ -110,11 +110,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     }
     if args.json {
         let filters: Vec<_> = all.iter().map(Timed::json).collect();
-        println!("{:#}", json!({ "scene": scene.name, "machine": machine, "filters": filters }));
+        say!("{:#}", json!({ "scene": scene.name, "machine": machine, "filters": filters }));
     } else {
-        println!("{} on {}: {}", scene.name, machine.name, machine.description);
-        println!("{}", table(&all));
-        println!("energy is an estimate: {}", machine.energy.source);
+        say!("{} on {}: {}", scene.name, machine.name, machine.description);
+        say!("{}", table(&all));
+        say!("energy is an estimate: {}", machine.energy.source);
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,6 +1,10 @@
 //! Textures from image files, and planes into them.
 
-use std::{fs::File, io::BufReader, path::Path};
+use std::{
+    fs::File,
+    io::{BufRead, BufReader, Seek, SeekFrom},
+    path::Path,
+};
 
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, codecs::png::PngEncoder};
 
@@ -16,6 +20,12 @@ pub const LONGEST_SIDE: u32 = 1 << 20;
 /// Most texels of a texture: 2^30, 4 GiB of RGBA8.
 pub const MOST_TEXELS: u64 = 1 << 30;
 
+/// No compression of an image packs more texels than this into a byte: deflate makes 1032 bytes of one, of 8 texels each at 1 bit.
+const TEXELS_OF_A_BYTE: u64 = 8 * 1032;
+
+/// What a header may claim without a file to match.
+const TEXELS_OF_ANY_FILE: u64 = 1 << 22;
+
 /// Reads a texture from any file `image` reads, told apart by content first and name second.
 ///
 /// Texels are the file's sRGB values as they are: no colour profile, gamma or orientation is applied, alpha is not
@@ -25,7 +35,15 @@ pub const MOST_TEXELS: u64 = 1 << 30;
 /// A missing or unreadable file; a file that is no image or a damaged one; a zero-sized or too large one, before its texels
 /// are allocated.
 pub fn load(path: &Path) -> Result<PlaneImage> {
-    let file = File::open(path).map_err(Error::io(path))?;
+    read(path, BufReader::new(File::open(path).map_err(Error::io(path))?))
+}
+
+/// The same from any source; `path` is for messages, and its extension for formats without a signature.
+///
+/// # Errors
+/// As [`load`].
+pub fn read(path: &Path, mut source: impl BufRead + Seek) -> Result<PlaneImage> {
+    let bytes = source.seek(SeekFrom::End(0)).and_then(|end| source.rewind().map(|()| end)).map_err(Error::io(path))?;
     let damaged = |error: image::ImageError| {
         Error::file(
             path,
@@ -34,7 +52,7 @@ pub fn load(path: &Path) -> Result<PlaneImage> {
             "give a whole PNG, JPEG, BMP, TGA, PNM, GIF, KTX2 or DDS file",
         )
     };
-    let mut reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(Error::io(path))?;
+    let mut reader = ImageReader::new(source).with_guessed_format().map_err(Error::io(path))?;
     if reader.format().is_none() {
         // TGA has no signature: its name is all there is.
         if let Ok(format) = image::ImageFormat::from_path(path) {
@@ -45,6 +63,11 @@ pub fn load(path: &Path) -> Result<PlaneImage> {
     let decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width, height)?;
+    let texels = u64::from(width) * u64::from(height);
+    if texels > TEXELS_OF_ANY_FILE.saturating_add(bytes.saturating_mul(TEXELS_OF_A_BYTE)) {
+        let problem = format!("{width} x {height} texels in a file of {bytes} bytes");
+        return Err(Error::file(path, "size", problem, "the file is damaged or cut short: take it from where it came"));
+    }
     Ok(PlaneImage::of_image(&DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8()))
 }
 

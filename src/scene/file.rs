@@ -109,7 +109,7 @@ impl Scene {
     /// [`Error::Io`] if the file cannot be read; otherwise [`Error::Rendered`], showing the line at fault: not TOML, an unknown
     /// key, a value out of range, a texture that cannot be read or has no texels.
     pub fn load(path: &Path) -> Result<Self> {
-        let source = std::fs::read_to_string(path).map_err(Error::io(path))?;
+        let source = crate::text_file::read(path)?;
         Self::parse(path, &source)
     }
 

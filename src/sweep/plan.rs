@@ -124,7 +124,7 @@ impl Plan {
     /// # Errors
     /// [`Error::Io`], or what is wrong in it, with its place.
     pub fn load(path: &Path) -> Result<Self> {
-        let source = std::fs::read_to_string(path).map_err(Error::io(path))?;
+        let source = crate::text_file::read(path)?;
         let remedy = "docs/sweeps.md lists the keys; sweeps/cache-size.toml is an example";
         let file: SweepFile =
             toml::from_str(&source).map_err(|found| annotated::toml_error(path, &source, &found, remedy))?;

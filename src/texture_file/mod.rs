@@ -4,7 +4,12 @@ mod dds;
 mod elements;
 mod ktx2;
 
-use std::{fs::File, io::Read, path::Path, sync::Arc};
+use std::{
+    fs::File,
+    io::{Cursor, Read},
+    path::Path,
+    sync::Arc,
+};
 
 use crate::{
     error::{Error, Result},
@@ -48,14 +53,32 @@ pub fn load(path: &Path) -> Result<TextureImage> {
     let mut start = Vec::new();
     let mut file = File::open(path).map_err(Error::io(path))?;
     file.by_ref().take(12).read_to_end(&mut start).map_err(Error::io(path))?;
-    let read = if start == ::ktx2::MAGIC {
-        ktx2::read
-    } else if start.starts_with(b"DDS ") {
-        dds::read
-    } else {
+    if container(&start).is_none() {
         return image_file::load(path).map(TextureImage::from);
-    };
+    }
     let mut bytes = start;
     file.read_to_end(&mut bytes).map_err(Error::io(path))?;
-    read(path, &bytes).map(TextureImage::of_levels)
+    read(path, &bytes)
+}
+
+/// The same from the bytes of a file; `path` is for messages, and its extension for formats without a signature.
+///
+/// # Errors
+/// As [`load`].
+pub fn read(path: &Path, bytes: &[u8]) -> Result<TextureImage> {
+    match container(bytes) {
+        Some(read) => read(path, bytes).map(TextureImage::of_levels),
+        None => image_file::read(path, Cursor::new(bytes)).map(TextureImage::from),
+    }
+}
+
+/// The reader of a container that begins so.
+fn container(bytes: &[u8]) -> Option<fn(&Path, &[u8]) -> Result<Stored>> {
+    if bytes.starts_with(&::ktx2::MAGIC) {
+        Some(ktx2::read)
+    } else if bytes.starts_with(b"DDS ") {
+        Some(dds::read)
+    } else {
+        None
+    }
 }
