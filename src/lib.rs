@@ -23,6 +23,7 @@ pub mod reference;
 pub mod report;
 pub mod reuse;
 pub mod scene;
+pub mod schema;
 pub mod stream;
 pub mod sweep;
 pub mod texel_format;

@@ -15,6 +15,7 @@ use crate::{
     names::{Named, by_name},
     pyramid::Build,
     scene::{AxisRule, Norm},
+    schema::Schema,
     text_file,
     texture_memory::Decompress,
     timing_settings::{self, MemorySettings, TimingSettings},
@@ -24,6 +25,9 @@ use crate::{
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct Machine {
+    /// What the file was written for.
+    #[serde(skip_serializing)]
+    pub schema: Schema,
     /// What it is called in reports.
     pub name: String,
     /// What it is, and where its numbers come from.
@@ -181,7 +185,8 @@ pub fn policy_from_name(name: &str, seed: u64) -> Result<Policy, String> {
 }
 
 /// Said with every error that a look at a whole machine would mend.
-const SEE_EXPLAIN: &str = "`texunit explain` lists every key with its value";
+const SEE_EXPLAIN: &str =
+    "`texunit explain` lists every key with its value; if a newer texunit wrote this, update texunit";
 
 /// Where the value of a dotted key stands in a TOML text.
 fn value_span(source: &str, key: &str) -> Option<Range<usize>> {

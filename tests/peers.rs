@@ -11,7 +11,7 @@ use texunit::{
     texture_memory::{Held, Storage},
 };
 use texunit_hw::{
-    AddressMode, Filter, I12F20, LodSource, PyramidKind, Request, Unit,
+    AddressMode, Filter, I12F20, LodSource, PyramidKind, Request, Response, Unit,
     peers::{Arithmetic, COORDINATE_BITS, MACHINES},
 };
 
@@ -285,7 +285,9 @@ fn the_row_of_this_unit_is_this_unit() {
         let sampler = machine.sampler(Filter::Bilinear, address, LodSource::Gradient);
         let mut unit = Unit::new(&sampler, &memory.surface, &memory.bytes).unwrap();
         let [u, v] = at.map(|c| I12F20::from_bits((c >> (COORDINATE_BITS - 20)) as i32));
-        let chip = unit.sample(&Request::at(u, v)).texel.map(u32::from);
+        let mut chip = [Response::default()];
+        unit.run(&[Request::at(u, v)], &mut chip, &mut ());
+        let chip = chip[0].texel.map(u32::from);
         assert_eq!(own.sample(&Mipmap(&pyramid), at, 1.0_f32.to_bits(), address), chip, "number {number}");
     }
 }

@@ -75,10 +75,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             flickers.par_iter_mut().try_for_each(|flicker| flicker.frame(&stage, &machine, pyramids))?;
             progress.inc(1);
         }
-        progress.suspend(|| {
+        progress.suspend(|| -> Result<()> {
             say!("\n{}: {} frames of {} x {}", scene.name, scene.frame_count(), scene.size[0], scene.size[1]);
             say!("{}", table(&flickers));
-        });
+            Ok(())
+        })?;
         let filters: Vec<Value> = flickers
             .iter()
             .map(|flicker| json!({ "filter": flicker.filter().name(), "metrics": report::metrics_json(&flicker.metrics()) }))

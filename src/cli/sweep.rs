@@ -88,6 +88,7 @@ impl Common {
     }
 
     fn merge(&self, plan: &Plan, store: &Store) -> Result<()> {
+        store.check(plan)?;
         let rows = store.rows(plan)?;
         say!("{}", store.write_csv(plan, &rows)?.display());
         #[cfg(feature = "parquet")]
@@ -99,6 +100,7 @@ impl Common {
 
     /// Computes points, by stage.
     fn compute(&self, plan: &Plan, store: &Store, points: &[&Point], output: &Path) -> Result<()> {
+        store.check(plan)?;
         stop_on_ctrl_c();
         let progress = progress_bar(points.len() as u64);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs.unwrap_or(0)).build();
@@ -186,5 +188,5 @@ fn list(plan: &Plan, output: &Path) -> Result<()> {
             let filter = point.filter.name();
             writeln!(out, "{:6}  {} {width}x{height} {filter} {}", point.number, scene.name, settings.join(" "))
         })
-    });
+    })
 }

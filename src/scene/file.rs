@@ -18,6 +18,7 @@ use crate::{
     annotated,
     error::{Error, Result},
     names::by_name_per_axis,
+    schema::Schema,
 };
 
 /// Said with every error that a look at a good scene would mend.
@@ -26,6 +27,9 @@ const SEE_EXAMPLE: &str = "`texunit scenes --show floor` prints a scene with its
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 struct SceneFile {
+    #[serde(default)]
+    #[allow(dead_code, reason = "reading it is all there is to it")]
+    schema: Schema,
     name: String,
     description: String,
     width: Option<Spanned<i64>>,

@@ -14,6 +14,7 @@ use crate::{
     machine::Machine,
     names::{Named, by_name},
     scene::{Scene, TextureSource},
+    schema::Schema,
 };
 
 /// Most points of a sweep: a longer list is a typing error.
@@ -22,6 +23,9 @@ const POINTS_MAX: usize = 1_000_000;
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 struct SweepFile {
+    #[serde(default)]
+    #[allow(dead_code, reason = "reading it is all there is to it")]
+    schema: Schema,
     name: String,
     #[serde(default)]
     description: String,

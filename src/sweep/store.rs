@@ -1,4 +1,6 @@
 //! The results of a sweep on disk: a file a point, whole or not there.
+//!
+//! Any number of processes may share a folder (a job array does): a point computed twice is the same bytes twice, and the last one stays.
 
 use std::{
     fs,
@@ -55,15 +57,39 @@ impl Store {
         self.folder.join(format!("point-{number:06}.json"))
     }
 
+    /// Refuses a folder in which a newer texunit has left results: they are finished, and would be computed anew over.
+    ///
+    /// # Errors
+    /// The first of them.
+    pub fn check(&self, plan: &Plan) -> Result<()> {
+        for point in &plan.points {
+            let Some(value) = self.value(point) else { continue };
+            if let Some(newer) = value["schema"].as_u64().filter(|schema| *schema > u64::from(SCHEMA)) {
+                let problem = format!("schema {newer}, and this texunit reads up to {SCHEMA}");
+                return Err(Error::file(
+                    self.path(point.number),
+                    "schema",
+                    problem,
+                    "update texunit, or give another folder",
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Whether a point's result is there and is that of this very configuration.
     #[must_use]
     pub fn holds(&self, plan: &Plan, point: &Point) -> bool {
         self.read(plan, point).is_some()
     }
 
+    /// What a point's file holds, if that can be read.
+    fn value(&self, point: &Point) -> Option<Value> {
+        serde_json::from_slice(&fs::read(self.path(point.number)).ok()?).ok()
+    }
+
     fn read(&self, plan: &Plan, point: &Point) -> Option<Value> {
-        let text = fs::read(self.path(point.number)).ok()?;
-        let value: Value = serde_json::from_slice(&text).ok()?;
+        let value = self.value(point)?;
         // Through text and back, as the one on disk went: floats compare as written.
         let config: Value = serde_json::from_str(&plan.config(point).to_string()).ok()?;
         (value["schema"] == SCHEMA && value["config"] == config).then_some(value)

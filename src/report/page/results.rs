@@ -6,7 +6,10 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 use image::{ImageFormat, ImageReader, codecs::jpeg::JpegEncoder};
 use serde_json::Value;
 
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    experiment::report::SCHEMA,
+};
 
 /// How images go into the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +48,7 @@ fn json(path: &Path) -> Result<Option<Value>> {
         return Ok(None);
     }
     let text = fs::read_to_string(path).map_err(Error::io(path))?;
-    let value = serde_json::from_str(&text).map_err(|error| {
+    let value: Value = serde_json::from_str(&text).map_err(|error| {
         Error::file(
             path,
             format!("line {}", error.line()),
@@ -53,6 +56,10 @@ fn json(path: &Path) -> Result<Option<Value>> {
             "write it anew with the command that made it",
         )
     })?;
+    if let Some(newer) = value["schema"].as_u64().filter(|schema| *schema > u64::from(SCHEMA)) {
+        let problem = format!("schema {newer}, and this texunit reads up to {SCHEMA}");
+        return Err(Error::file(path, "schema", problem, "update texunit"));
+    }
     Ok(Some(value))
 }
 
