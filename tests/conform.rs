@@ -177,6 +177,23 @@ fn a_linear_logarithm_does_not_conform_at_eight_level_bits_and_does_at_four() {
 }
 
 #[test]
+fn the_arithmetic_of_other_machines_can_be_judged_by_name() {
+    let d3d11 = ["conform", "floor", "--size", "120x90", "--arithmetic", "d3d11"];
+    let out = texunit(&d3d11);
+    let text = String::from_utf8_lossy(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{text}{}", String::from_utf8_lossy(&out.stderr));
+    assert!(text.contains("trilinear") && text.contains("d3d11"), "{text}");
+    let voodoo = ["conform", "floor", "--size", "120x90", "--arithmetic", "voodoo-1"];
+    let out = texunit(&voodoo);
+    assert_eq!(out.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&out.stderr).contains("bilinear of voodoo-1, pixel ("));
+    let out = texunit(&[&voodoo[..], &["-f", "trilinear"]].concat());
+    assert_eq!(out.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&out.stderr).contains("it blends no levels"));
+    assert!(String::from_utf8_lossy(&texunit(&["conform", "--arithmetic", "nv1"]).stderr).contains("playstation-2"));
+}
+
+#[test]
 fn other_filters_are_refused_with_the_ones_there_are() {
     let out = texunit(&["conform", "floor", "-f", "feline"]);
     assert_eq!(out.status.code(), Some(2));

@@ -4,14 +4,17 @@ use std::process::ExitCode;
 
 use clap::ArgAction;
 use comfy_table::{CellAlignment, Table, presets};
-use texunit_hw::{Filter, peers::MACHINES};
+use texunit_hw::{
+    Filter,
+    peers::{Arithmetic, MACHINES},
+};
 
 use super::{progress_bar, run::scenes, run::size};
 use crate::{
     conform::{
         FILTERS, Precision,
         largest::{self, Largest},
-        scenes::{Finding, LevelRule, judge_scene},
+        scenes::{Finding, LevelRule, judge_peer, judge_scene, peer_filter},
         unknown,
     },
     error::Result,
@@ -60,9 +63,19 @@ pub struct Args {
     /// Machine: a name that ships (`texunit explain` lists them) or a TOML file [default: herf-12.20; with --largest: all]
     #[arg(long, short, value_name = "NAME|FILE")]
     machine: Option<String>,
+    /// Instead of a machine, the arithmetic of another (texunit peers lists them), behind this one's front end; bilinear and trilinear
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["machine", "set", "largest"], value_parser = arithmetic)]
+    arithmetic: Option<&'static Arithmetic>,
     /// One setting on top of the machine, for instance filter.bits=6; may be given more than once
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
+}
+
+fn arithmetic(name: &str) -> Result<&'static Arithmetic, String> {
+    Arithmetic::named(name).ok_or_else(|| {
+        let names: Vec<&str> = MACHINES.iter().map(|machine| machine.name).collect();
+        format!("no arithmetic is named `{name}`: use {}", names.join(", "))
+    })
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
@@ -78,7 +91,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(filter) = args.filters.iter().find(|filter| !FILTERS.contains(filter)) {
         return Err(unknown(*filter));
     }
-    let filters = if args.filters.is_empty() { FILTERS.to_vec() } else { args.filters.clone() };
+    let has = |filter: &Filter| args.arithmetic.is_none_or(|peer| peer_filter(peer, *filter).is_ok());
+    let filters =
+        if args.filters.is_empty() { FILTERS.into_iter().filter(has).collect() } else { args.filters.clone() };
     let precision = Precision {
         subtexel: args.subtexel,
         mipmap: args.mipmap,
@@ -90,19 +105,24 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 
 fn run_scenes(args: &Args, filters: &[Filter], precision: Precision) -> Result<ExitCode> {
     let machine = Machine::load(args.machine.as_deref().unwrap_or(super::MachineArgs::DEFAULT), &args.set)?;
+    let name = args.arithmetic.map_or(machine.name.as_str(), |peer| peer.name);
     let rule = if args.any_norm { LevelRule::Suite } else { LevelRule::Norm };
     let scenes = scenes(&args.scenes, args.size)?;
     let progress = progress_bar((scenes.len() * filters.len()) as u64);
     let mut findings: Vec<Finding> = Vec::new();
     for scene in &scenes {
         progress.set_message(scene.name.clone());
-        findings.extend(judge_scene(&machine, scene, filters, precision, rule, |_| progress.inc(1))?);
+        let done = |_: &Finding| progress.inc(1);
+        findings.extend(match args.arithmetic {
+            Some(peer) => judge_peer(peer, scene, filters, precision, rule, done)?,
+            None => judge_scene(&machine, scene, filters, precision, rule, done)?,
+        });
     }
     progress.finish_and_clear();
     let refused: u64 = findings.iter().map(|finding| finding.refused).sum();
     if args.json {
         let report = serde_json::json!({
-            "machine": machine.name, "subtexel": precision.subtexel, "mipmap": precision.mipmap, "coordinate": precision.coordinate,
+            "machine": name, "subtexel": precision.subtexel, "mipmap": precision.mipmap, "coordinate": precision.coordinate,
             "tolerance": precision.tolerance, "any-norm": args.any_norm, "refused": refused, "findings": findings,
         });
         print(|out| writeln!(out, "{report:#}"))?;
@@ -113,7 +133,7 @@ fn run_scenes(args: &Args, filters: &[Filter], precision: Precision) -> Result<E
             writeln!(
                 out,
                 "{}: {samples} samples at {} sub-texel and {} level bits, {refused} refused",
-                machine.name, precision.subtexel, precision.mipmap
+                name, precision.subtexel, precision.mipmap
             )
         })?;
     }

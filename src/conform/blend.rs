@@ -42,10 +42,14 @@ pub enum Search {
     ToTheEnd,
 }
 
-/// How nearly a descent must reach an answer: a 256th of the last bit, because it nears a corner between two channels ever more slowly.
+/// How nearly a descent must reach an answer, in units of the last bit.
 const NEAR: f64 = 1.0 / 256.0;
-/// Rounds of a descent. Most answers that need one come within reach in a handful, a few of a million in hundreds.
-const ROUNDS: usize = 1000;
+/// What part of the tolerance a descent aims for.
+const AIM: f64 = 0.8;
+/// Descents from different places.
+const DESCENTS: usize = 6;
+/// Rounds of a descent. Most answers that need one come within reach in a handful.
+const ROUNDS: usize = 300;
 /// Halvings of an interval in search of a minimum.
 const HALVINGS: usize = 32;
 
@@ -105,17 +109,51 @@ impl Blend {
             let (channel, off) = farthest(colour, answer);
             return Some(Miss { off, channel, colour, weights: middle });
         }
-        let weights = self.descend(answer, tolerance, middle);
-        let colour = self.colour(weights);
-        let (channel, off) = farthest(colour, answer);
-        (off > tolerance + NEAR).then_some(Miss { off, channel, colour, weights })
+        // Intervals of few bits are wide, and the sum of squares then has more than one valley: begin where it is nearest already.
+        let mut starts = self.starts();
+        starts.sort_by(|a, b| {
+            let far = |weights: &[f64; 5]| farthest(self.colour(*weights), answer).1;
+            far(a).total_cmp(&far(b))
+        });
+        let mut best: Option<Miss> = None;
+        for weights in starts.into_iter().take(DESCENTS) {
+            let weights = self.descend(answer, tolerance, weights);
+            let colour = self.colour(weights);
+            let (channel, off) = farthest(colour, answer);
+            if off <= tolerance + NEAR {
+                return None;
+            }
+            if best.is_none_or(|best| off < best.off) {
+                best = Some(Miss { off, channel, colour, weights });
+            }
+        }
+        best
+    }
+
+    /// Places within the intervals: a quarter, half and three quarters of the way, u and v alike on both levels.
+    fn starts(&self) -> Vec<[f64; 5]> {
+        let ways = [0.25, 0.5, 0.75];
+        let along = |interval: Interval, way: f64| interval.low + (interval.high - interval.low) * way;
+        let intervals = self.intervals();
+        let mut starts = Vec::with_capacity(27);
+        for u in ways {
+            for v in ways {
+                starts.extend(
+                    ways.map(|t| [0, 1, 2, 3, 4].map(|number| along(intervals[number], [u, v, u, v, t][number]))),
+                );
+            }
+        }
+        starts
     }
 
     /// One weight after the other to where the channels' squared excess is least. That sum is smooth, and over intervals as narrow as
-    /// these as good as convex, so this ends at its minimum, and at nothing if there is such a place.
+    /// these as good as convex. It aims for less than the tolerance, because it nears a thin set of good places ever more slowly, but
+    /// passes through it on the way to a place beyond.
     fn descend(&self, answer: [f64; 4], tolerance: f64, mut weights: [f64; 5]) -> [f64; 5] {
+        let aim = AIM * tolerance;
         let intervals = self.intervals();
         for _ in 0..ROUNDS {
+            let before = weights;
             for number in 0..5 {
                 let Interval { mut low, mut high } = intervals[number];
                 let at = |weight: f64| {
@@ -129,7 +167,7 @@ impl Blend {
                     channels
                         .map(|((&zero, one), answer)| {
                             let beyond = zero + (one - zero) * weight - answer;
-                            (one - zero) * (beyond - beyond.clamp(-tolerance, tolerance))
+                            (one - zero) * (beyond - beyond.clamp(-aim, aim))
                         })
                         .sum()
                 };
@@ -142,7 +180,8 @@ impl Blend {
                 }
                 weights[number] = f64::midpoint(low, high);
             }
-            if farthest(self.colour(weights), answer).1 <= tolerance + NEAR {
+            let settled = weights.iter().zip(before).all(|(now, before)| (now - before).abs() < 1e-12);
+            if settled || farthest(self.colour(weights), answer).1 <= tolerance + NEAR {
                 break;
             }
         }

@@ -6,20 +6,16 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use texunit_hw::{
-    AddressMode, Filter, PyramidKind,
-    peers::{Arithmetic, Blend},
-};
+use texunit_hw::{AddressMode, Filter, PyramidKind, peers::Arithmetic};
 
 use super::{
     Judge, Precision, Sample, Verdict,
-    scenes::{LevelRule, answers, front_end, sampling},
+    scenes::{LevelRule, answers, front_end, peer_filter, peer_sample, sampling},
 };
 use crate::{
     error::Result,
     experiment::verify::SplitMix,
     machine::Machine,
-    peers::{Mipmap, coordinate, to_8_bits},
     pyramid::{Build, PlaneImage},
     scene::{Fragment, Gradient},
 };
@@ -110,8 +106,7 @@ pub fn of_machine(machine: &Machine, filter: Filter, precision: Precision) -> Re
 /// # Errors
 /// A filter without a rule; a strip without a mipmap.
 pub fn of_peer(peer: &Arithmetic, filter: Filter, precision: Precision) -> Result<Option<Largest>> {
-    let trilinear = filter == Filter::Trilinear && peer.blend != Blend::None;
-    if !trilinear && filter != Filter::Bilinear {
+    if peer_filter(peer, filter).is_err() {
         return Ok(None);
     }
     let found = largest(|size| {
@@ -121,10 +116,9 @@ pub fn of_peer(peer: &Arithmetic, filter: Filter, precision: Precision) -> Resul
         let samples: Vec<Sample> = fragments(size, SAMPLES)
             .par_iter()
             .map(|fragment| {
-                let ratio = if trilinear { (fragment.gradient.ux * f64::from(size)) as f32 } else { 1.0 };
-                let at = [fragment.u, fragment.v];
-                let colour = peer.sample(&Mipmap(&pyramid), at.map(coordinate), ratio.to_bits(), address);
-                Sample { at, level: [libm::log2(f64::from(ratio)); 2], texel: to_8_bits(peer, colour) }
+                let ratio = (fragment.gradient.ux * f64::from(size)) as f32;
+                let lod = (ratio, [libm::log2(f64::from(ratio)); 2]);
+                peer_sample(peer, &pyramid, filter, [fragment.u, fragment.v], lod, address)
             })
             .collect();
         Ok(first_refused(&judge, &samples, size))

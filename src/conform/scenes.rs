@@ -2,7 +2,10 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use texunit_hw::{Filter, LodSource, Response, Unit};
+use texunit_hw::{
+    AddressMode, Filter, LodSource, PyramidKind, Response, Unit,
+    peers::{Arithmetic, Blend},
+};
 
 use super::{Judge, Precision, Sample, Sampling, Verdict};
 use crate::{
@@ -10,6 +13,7 @@ use crate::{
     front_end::FrontEnd,
     machine::Machine,
     names::Named,
+    peers::{Mipmap, coordinate, to_8_bits},
     pyramid::Pyramid,
     scene::{Fragment, Gradient, Norm, Scene},
     texture_memory::Held,
@@ -91,7 +95,7 @@ impl Finding {
 
 /// What the judge is to know of a machine.
 #[must_use]
-pub fn sampling(machine: &Machine, filter: Filter, address: [texunit_hw::AddressMode; 2]) -> Sampling {
+pub fn sampling(machine: &Machine, filter: Filter, address: [AddressMode; 2]) -> Sampling {
     let lod = &machine.lod;
     Sampling { filter, address, bias: lod.bias, min_lod: lod.min, max_lod: lod.max }
 }
@@ -135,12 +139,7 @@ pub fn answers(
 
 /// The front end a machine has for a filter of a mipmap.
 #[must_use]
-pub fn front_end(
-    machine: &Machine,
-    filter: Filter,
-    address: [texunit_hw::AddressMode; 2],
-    pyramid: &Pyramid,
-) -> FrontEnd {
+pub fn front_end(machine: &Machine, filter: Filter, address: [AddressMode; 2], pyramid: &Pyramid) -> FrontEnd {
     FrontEnd {
         filter,
         address,
@@ -163,7 +162,7 @@ pub fn judge_scene(
     mut done: impl FnMut(&Finding),
 ) -> Result<Vec<Finding>> {
     let texture = scene.texture.texture_image();
-    let held = machine.texture.hold(texunit_hw::PyramidKind::Mipmap, &texture)?;
+    let held = machine.texture.hold(PyramidKind::Mipmap, &texture)?;
     let fragments: Vec<Fragment> = scene.fragments().collect();
     let mut findings = Vec::new();
     for &filter in filters {
@@ -180,4 +179,72 @@ pub fn judge_scene(
         findings.push(finding);
     }
     Ok(findings)
+}
+
+/// The same of the arithmetic of another machine, behind this one's front end: bilinear, and trilinear where it blends levels.
+///
+/// # Errors
+/// Other filters.
+pub fn judge_peer(
+    peer: &Arithmetic,
+    scene: &Scene,
+    filters: &[Filter],
+    precision: Precision,
+    rule: LevelRule,
+    mut done: impl FnMut(&Finding),
+) -> Result<Vec<Finding>> {
+    let machine = Machine::default();
+    let held = machine.texture.hold(PyramidKind::Mipmap, &scene.texture.texture_image())?;
+    let fragments: Vec<Fragment> = scene.fragments().collect();
+    let address = scene.texture.wrap;
+    let mut findings = Vec::new();
+    for &filter in filters {
+        peer_filter(peer, filter)?;
+        let judge = Judge::new(&held.pyramid, sampling(&machine, filter, address), precision)?;
+        let samples: Vec<Sample> = fragments
+            .par_iter()
+            .map(|fragment| {
+                let texels = fragment.gradient.in_texels([held.pyramid.width, held.pyramid.height]);
+                let ratio = libm::sqrt(f64::from(machine.lod.norm.squared_ratio(texels))) as f32;
+                let level = right_levels(rule, machine.lod.norm, texels);
+                peer_sample(peer, &held.pyramid, filter, [fragment.u, fragment.v], (ratio, level), address)
+            })
+            .collect();
+        let name = |number: usize| {
+            let Fragment { x, y, .. } = fragments[number];
+            format!("{}, {} of {}, pixel ({x}, {y})", scene.name, filter.name(), peer.name)
+        };
+        let finding = Finding::of(&scene.name, filter, &judge, &samples, name);
+        done(&finding);
+        findings.push(finding);
+    }
+    Ok(findings)
+}
+
+/// The filters the arithmetic of another machine has.
+///
+/// # Errors
+/// Another filter, with those.
+pub fn peer_filter(peer: &Arithmetic, filter: Filter) -> Result<()> {
+    let trilinear = peer.blend != Blend::None;
+    if filter == Filter::Bilinear || filter == Filter::Trilinear && trilinear {
+        return Ok(());
+    }
+    let remedy = if trilinear { "use bilinear or trilinear" } else { "use bilinear: it blends no levels" };
+    Err(Error::setting("--filters", filter.name(), format!("not in the arithmetic of {}", peer.name), remedy))
+}
+
+/// What another machine answers; `lod` is the ratio it is given and the levels that are right, of which bilinear reads none.
+#[must_use]
+pub fn peer_sample(
+    peer: &Arithmetic,
+    pyramid: &Pyramid,
+    filter: Filter,
+    at: [f64; 2],
+    lod: (f32, [f64; 2]),
+    address: [AddressMode; 2],
+) -> Sample {
+    let (ratio, level) = if filter == Filter::Trilinear { lod } else { (1.0, [0.0; 2]) };
+    let colour = peer.sample(&Mipmap(pyramid), at.map(coordinate), ratio.to_bits(), address);
+    Sample { at, level, texel: to_8_bits(peer, colour) }
 }
