@@ -28,11 +28,18 @@ fn refused(error: &Error) -> bool {
     false
 }
 
+/// A line of TOML up to its comment, if no string can hold the mark.
+fn without_comment(line: &str) -> &str {
+    let (before, _) = line.split_once('#').unwrap_or((line, ""));
+    if before.matches('"').count() % 2 == 0 && !before.contains('\'') { before } else { line }
+}
+
 /// A scene file. One that names a texture file is passed over: it may name any file of this computer.
 pub fn scene(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
-    let names_a_file =
-        text.split("file").skip(1).any(|rest| rest.trim_start_matches([' ', '\t', '"', '\'']).starts_with('='));
+    let names_a_file = text.lines().map(without_comment).any(|line| {
+        line.split("file").skip(1).any(|rest| rest.trim_start_matches([' ', '\t', '"', '\'']).starts_with('='))
+    });
     if names_a_file || text.contains('\\') {
         return false;
     }

@@ -328,11 +328,11 @@ fn files_from_the_future_are_refused_and_not_written_over() {
 
     future("m.toml", "schema = 2\nname = \"later\"\n".into());
     refused(
-        &texunit(at, &["explain", "-m", "m.toml"]).output().unwrap(),
+        &texunit(at, &["explain", "m.toml"]).output().unwrap(),
         &["m.toml", "schema 2", "up to 1", "update texunit"],
     );
     future("m.toml", "schema = 1\nname = \"now\"\n".into());
-    assert!(texunit(at, &["explain", "-m", "m.toml"]).output().unwrap().status.success());
+    assert!(texunit(at, &["explain", "m.toml"]).output().unwrap().status.success());
 
     future("f.toml", format!("schema = 2\n{}", read("scenes/floor.toml")));
     let output = texunit(at, &["run", "f.toml", "-f", "bilinear", "--size", "16x12"]).output().unwrap();

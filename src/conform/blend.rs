@@ -44,10 +44,12 @@ pub enum Search {
 
 /// How nearly a descent must reach an answer, in units of the last bit.
 const NEAR: f64 = 1.0 / 256.0;
-/// What part of the tolerance a descent aims for.
-const AIM: f64 = 0.8;
-/// Descents from different places.
+/// What parts of the tolerance a descent aims for, one after the other.
+const AIMS: [f64; 3] = [1.0, 0.9, 0.98];
+/// Descents beside those from the grid.
 const DESCENTS: usize = 6;
+/// Most weights of an interval that are tried on the grid: two widths of a step, and some for the coordinate.
+const GRID_MOST: i64 = 4;
 /// Rounds of a descent. Most answers that need one come within reach in a handful.
 const ROUNDS: usize = 300;
 /// Halvings of an interval in search of a minimum.
@@ -90,8 +92,9 @@ impl Blend {
         [0, 1, 2, 3].map(|channel| first[channel] + (second[channel] - first[channel]) * weights[4])
     }
 
-    /// None if some weights give each channel of the answer, within the tolerance.
-    pub fn miss(&self, answer: [f64; 4], tolerance: f64, search: Search) -> Option<Miss> {
+    /// None if some weights give each channel of the answer, within the tolerance. `steps` is what the promised bits count to, of the
+    /// weights between texels and between levels.
+    pub fn miss(&self, answer: [f64; 4], tolerance: f64, steps: [f64; 2], search: Search) -> Option<Miss> {
         let middle = self.intervals().map(Interval::middle);
         if farthest(self.colour(middle), answer).1 <= tolerance {
             return None;
@@ -109,25 +112,69 @@ impl Blend {
             let (channel, off) = farthest(colour, answer);
             return Some(Miss { off, channel, colour, weights: middle });
         }
+        // A machine that cuts to just the promised bits lies on their grid, often at an end of what is allowed: look there first.
+        let mut starts = self.on_grid(steps);
+        let far = |weights: &[f64; 5]| farthest(self.colour(*weights), answer).1;
+        let by_distance = |a: &[f64; 5], b: &[f64; 5]| far(a).total_cmp(&far(b));
+        starts.sort_by(by_distance);
+        if starts.first().is_some_and(|nearest| far(nearest) <= tolerance + NEAR) {
+            return None;
+        }
         // Intervals of few bits are wide, and the sum of squares then has more than one valley: begin where it is nearest already.
-        let mut starts = self.starts();
-        starts.sort_by(|a, b| {
-            let far = |weights: &[f64; 5]| farthest(self.colour(*weights), answer).1;
-            far(a).total_cmp(&far(b))
-        });
+        starts.truncate(2);
+        let mut others = self.starts();
+        others.sort_by(by_distance);
+        starts.extend(others.into_iter().take(DESCENTS));
         let mut best: Option<Miss> = None;
-        for weights in starts.into_iter().take(DESCENTS) {
-            let weights = self.descend(answer, tolerance, weights);
-            let colour = self.colour(weights);
-            let (channel, off) = farthest(colour, answer);
-            if off <= tolerance + NEAR {
-                return None;
-            }
-            if best.is_none_or(|best| off < best.off) {
-                best = Some(Miss { off, channel, colour, weights });
+        for mut weights in starts {
+            for aim in AIMS {
+                weights = self.descend(answer, tolerance, aim * tolerance, weights);
+                let colour = self.colour(weights);
+                let (channel, off) = farthest(colour, answer);
+                if off <= tolerance + NEAR {
+                    return None;
+                }
+                if best.is_none_or(|best| off < best.off) {
+                    best = Some(Miss { off, channel, colour, weights });
+                }
             }
         }
         best
+    }
+
+    /// All weights that are whole numbers of `steps` (of the texels' weights, of the levels'), the middle ones where there are many.
+    fn on_grid(&self, steps: [f64; 2]) -> Vec<[f64; 5]> {
+        let intervals = self.intervals();
+        let of = |number: usize| -> Vec<f64> {
+            if (2..4).contains(&number) && self.blend.high == 0.0 {
+                return vec![intervals[number].middle()];
+            }
+            let Interval { low, high } = intervals[number];
+            let steps = steps[usize::from(number == 4)];
+            let (first, last) = ((low * steps).ceil() as i64, (high * steps).floor() as i64);
+            let skip = ((last - first + 1 - GRID_MOST) / 2).max(0);
+            let grid = (first + skip..=last - skip).map(|number| number as f64 / steps);
+            let mut weights: Vec<f64> = grid.collect();
+            if weights.is_empty() {
+                weights.push(intervals[number].middle());
+            }
+            weights
+        };
+        let mut all = vec![[0.0; 5]];
+        for number in 0..5 {
+            let weights = of(number);
+            all = all
+                .iter()
+                .flat_map(|known| {
+                    weights.iter().map(|weight| {
+                        let mut more = *known;
+                        more[number] = *weight;
+                        more
+                    })
+                })
+                .collect();
+        }
+        all
     }
 
     /// Places within the intervals: a quarter, half and three quarters of the way, u and v alike on both levels.
@@ -147,10 +194,9 @@ impl Blend {
     }
 
     /// One weight after the other to where the channels' squared excess is least. That sum is smooth, and over intervals as narrow as
-    /// these as good as convex. It aims for less than the tolerance, because it nears a thin set of good places ever more slowly, but
-    /// passes through it on the way to a place beyond.
-    fn descend(&self, answer: [f64; 4], tolerance: f64, mut weights: [f64; 5]) -> [f64; 5] {
-        let aim = AIM * tolerance;
+    /// these as good as convex. It nears a thin set of good places ever more slowly, but passes through on the way to a place beyond, so it
+    /// may aim for less than is tolerated.
+    fn descend(&self, answer: [f64; 4], tolerance: f64, aim: f64, mut weights: [f64; 5]) -> [f64; 5] {
         let intervals = self.intervals();
         for _ in 0..ROUNDS {
             let before = weights;

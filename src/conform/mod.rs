@@ -167,6 +167,7 @@ impl<'p> Judge<'p> {
     fn nearest(&self, sample: &Sample, search: Search) -> Nearest {
         let Some(levels) = self.levels(sample) else { return Nearest::Undecided };
         let answer = sample.texel.map(f64::from);
+        let steps = [self.precision.subtexel, self.precision.mipmap].map(|bits| exp2(bits.into()));
         let mut nearest = Nearest::Undecided;
         for (levels, blend) in levels {
             let Some(lower) = self.patches(sample, levels[0]) else { return Nearest::Undecided };
@@ -176,7 +177,7 @@ impl<'p> Judge<'p> {
             for patch in &lower {
                 for other in 0..upper.len().max(1) {
                     let blend = Blend { patches: [*patch, *upper.get(other).unwrap_or(patch)], blend };
-                    let Some(miss) = blend.miss(answer, self.precision.tolerance, search) else {
+                    let Some(miss) = blend.miss(answer, self.precision.tolerance, steps, search) else {
                         return Nearest::Found;
                     };
                     if !matches!(&nearest, Nearest::Miss(known, _) if known.off <= miss.off) {
