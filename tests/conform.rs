@@ -169,11 +169,15 @@ fn a_linear_logarithm_does_not_conform_at_eight_level_bits_and_does_at_four() {
     let out = texunit(&herf);
     assert_eq!(out.status.code(), Some(1));
     let report: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
-    assert!(report["refused"].as_u64().unwrap() > 0);
+    let refused = report["refused"].as_u64().unwrap();
+    assert!(refused > 0);
     let explained = report["findings"][0]["explained"][0].as_str().unwrap();
     assert!(explained.contains("is right"), "{explained}");
     assert_eq!(texunit(&[&herf[..], &["--mipmap", "4"]].concat()).status.code(), Some(0));
-    assert_eq!(texunit(&[&herf[..], &["--any-norm"]].concat()).status.code(), Some(0));
+    // The suite's own freedom begins at the largest component: on an axis-aligned gradient it has none below.
+    let out = texunit(&[&herf[..], &["--any-norm"]].concat());
+    let report: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert!((1..refused).contains(&report["refused"].as_u64().unwrap()));
 }
 
 #[test]
