@@ -12,8 +12,11 @@ use texunit::{
     trace::Trace,
 };
 
-/// The name and the function of each.
-pub const READERS: [(&str, fn(&[u8]) -> bool); 6] = [
+/// A name and a function.
+pub type Reader = (&'static str, fn(&[u8]) -> bool);
+
+/// All of them.
+pub const READERS: [Reader; 6] = [
     ("scene", scene),
     ("machine", machine),
     ("trace", trace),

@@ -35,7 +35,7 @@ fn texture() -> Pyramid {
 fn question(random: &mut SplitMix, number: u64) -> Question {
     let mut unit = || (random.draw() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut at = [4.0 * unit() - 2.0, 4.0 * unit() - 2.0];
-    if number % 8 == 0 {
+    if number.is_multiple_of(8) {
         at = at.map(|x| (x * 32.0).floor() / 32.0); // borders and centres of texels
     }
     let ratio = libm::exp2(7.0 * unit() - 1.5) as f32;

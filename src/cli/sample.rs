@@ -219,7 +219,7 @@ impl Session<'_> {
     }
 
     fn front_end(&self) -> FrontEnd {
-        FrontEnd::new(&self.machine, self.filter, self.address, [self.pyramid.width, self.pyramid.height])
+        FrontEnd::new(self.machine, self.filter, self.address, [self.pyramid.width, self.pyramid.height])
     }
 
     fn request(&self, row: &Row) -> (Request, u64) {

@@ -95,7 +95,7 @@ pub fn of_machine(machine: &Machine, filter: Filter, precision: Precision) -> Re
         let held = machine.texture.hold(PyramidKind::Mipmap, &strip(size).into())?;
         let address = [AddressMode::Wrap; 2];
         let judge = Judge::new(&held.pyramid, sampling(machine, filter, address), precision)?;
-        let front_end = front_end(machine, filter, address, &held.pyramid);
+        let front_end = front_end(machine, filter, address, &held.pyramid)?;
         let samples = answers(machine, &held, &front_end, &fragments(size, SAMPLES), LevelRule::Norm)?;
         Ok(first_refused(&judge, &samples, size))
     })

@@ -11,6 +11,7 @@ use super::{Judge, Precision, Sample, Sampling, Verdict};
 use crate::{
     error::{Error, Result},
     front_end::FrontEnd,
+    lod_rules::polygon::LevelPer,
     machine::Machine,
     names::Named,
     peers::{Mipmap, coordinate, to_8_bits},
@@ -138,15 +139,15 @@ pub fn answers(
 }
 
 /// The front end a machine has for a filter of a mipmap.
-#[must_use]
-pub fn front_end(machine: &Machine, filter: Filter, address: [AddressMode; 2], pyramid: &Pyramid) -> FrontEnd {
-    FrontEnd {
-        filter,
-        address,
-        norm: machine.lod.norm,
-        rule: machine.lod.dipmap_rule,
-        size: [pyramid.width, pyramid.height],
+///
+/// # Errors
+/// A machine with one level for all pixels of a shape: no API allows that.
+pub fn front_end(machine: &Machine, filter: Filter, address: [AddressMode; 2], pyramid: &Pyramid) -> Result<FrontEnd> {
+    if let LevelPer::Polygon(_) = machine.lod.per {
+        let problem = "one level for all pixels of a shape, which no API allows";
+        return Err(Error::setting("lod.per", machine.lod.per.name(), problem, "use lod.per=pixel"));
     }
+    Ok(FrontEnd::new(machine, filter, address, [pyramid.width, pyramid.height]))
 }
 
 /// Judges every fragment of a scene, filter by filter.
@@ -168,7 +169,7 @@ pub fn judge_scene(
     for &filter in filters {
         let address = scene.texture.wrap;
         let judge = Judge::new(&held.pyramid, sampling(machine, filter, address), precision)?;
-        let front_end = front_end(machine, filter, address, &held.pyramid);
+        let front_end = front_end(machine, filter, address, &held.pyramid)?;
         let samples = answers(machine, &held, &front_end, &fragments, rule)?;
         let name = |number: usize| {
             let Fragment { x, y, .. } = fragments[number];

@@ -72,8 +72,11 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<TextureImage> {
     }
 }
 
+/// Reads the levels of a container; the path is for messages.
+type Container = fn(&Path, &[u8]) -> Result<Stored>;
+
 /// The reader of a container that begins so.
-fn container(bytes: &[u8]) -> Option<fn(&Path, &[u8]) -> Result<Stored>> {
+fn container(bytes: &[u8]) -> Option<Container> {
     if bytes.starts_with(&::ktx2::MAGIC) {
         Some(ktx2::read)
     } else if bytes.starts_with(b"DDS ") {
