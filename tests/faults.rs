@@ -301,7 +301,7 @@ fn every_beginning_of_a_trace_is_refused_with_the_line_it_ends_on() {
         let named = (lines.saturating_sub(1)..=lines).any(|line| error.contains(&line.to_string()));
         assert!(named, "cut at byte {length}, in line {lines}: {error}");
     }
-    assert!(Trace::parse("cut.trace", text[..whole].as_bytes()).is_ok());
+    assert!(Trace::parse("cut.trace", &text.as_bytes()[..whole]).is_ok());
 }
 
 #[test]
