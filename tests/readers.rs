@@ -174,7 +174,9 @@ fn the_corpora_are_what_is_made_and_readers_take_the_good_and_refuse_the_bad() {
             made.iter().filter(|file| file.0 == reader).map(|file| (&file.1, &file.2)).collect();
         let found = corpus(reader);
         for (name, bytes) in &expected {
-            let same = found.iter().any(|(known, stored)| known == *name && stored == *bytes);
+            // Copies of what ships are older as it changes, and must go on being read.
+            let copy = ["scene", "machine", "trace"].contains(&reader) && name.starts_with("good-");
+            let same = found.iter().any(|(known, stored)| known == *name && (copy || stored == *bytes));
             assert!(same, "fuzz/corpus/{reader}/{name} is not what is made: TEXUNIT_BLESS=1 makes it");
         }
         let mut good = 0;
