@@ -15,6 +15,7 @@ pub mod machine;
 pub mod names;
 pub mod output;
 pub mod pareto;
+pub mod prove;
 pub mod pyramid;
 pub mod reference;
 pub mod report;

@@ -9,6 +9,7 @@ mod lod;
 mod mips;
 mod paper;
 mod pareto;
+mod prove;
 mod report;
 mod reuse;
 mod run;
@@ -52,6 +53,7 @@ enum Command {
     Mips(mips::Args),
     Paper(paper::Args),
     Pareto(pareto::Args),
+    Prove(prove::Args),
     Report(report::Args),
     Reuse(reuse::Args),
     Run(run::Args),
@@ -114,6 +116,7 @@ pub fn main() -> ExitCode {
         Command::Mips(args) => mips::run(args),
         Command::Paper(args) => paper::run(&args),
         Command::Pareto(args) => pareto::run(&args),
+        Command::Prove(args) => prove::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Reuse(args) => reuse::run(&args),
         Command::Run(args) => run::run(&args),

@@ -1,0 +1,181 @@
+//! The LOD unit on all 2^32 bit patterns.
+
+use texunit_hw::{
+    Filter, Format, Layout, LevelRounding, LodSource, Log2, PyramidKind, Request, Response, Sampler, Surface,
+    lod::LevelRange, memory::store_plane,
+};
+
+use super::{
+    Bound, Chip, Proof, Tally, Work,
+    logarithm::{Answers, MANTISSAS, Segment},
+};
+use crate::names::Named;
+
+/// Signs times exponent fields.
+const BLOCKS: usize = 512;
+
+/// A prime: in a quick proof only so many mantissas of a segment count, and its first and last.
+const STRIDE: usize = 1021;
+
+pub(super) fn proofs<C: Chip>() -> Vec<Proof<C>> {
+    let rung = |&(name, log2): &(&str, Log2)| {
+        Proof::new(
+            format!("lod-{name}"),
+            format!("log2 unit `{name}`: every f32 bit pattern against thresholds in big integers or exact f64"),
+            move |chip: &C, work: &Work<'_>| log2_unit(chip, work, log2),
+        )
+    };
+    let mut proofs: Vec<Proof<C>> = Log2::ALL.iter().map(rung).collect();
+    proofs.push(Proof::new(
+        "lod-select",
+        "bias, clamp, fraction and whole levels: every 32-bit level under four samplers against i64 division",
+        select,
+    ));
+    proofs.push(Proof::new(
+        "lod-unit",
+        "the whole unit, trilinear on a chain of 21 levels: level and texel of every f32 bit pattern as the ratio of a request",
+        whole_unit,
+    ));
+    proofs
+}
+
+/// The mantissas of a segment that are compared.
+fn chosen(segment: Segment, quick: bool) -> impl Iterator<Item = u32> {
+    let Segment { start, end, .. } = segment;
+    let last = (quick && (end - 1 - start) as usize % STRIDE != 0).then_some(end - 1);
+    (start..end).step_by(if quick { STRIDE } else { 1 }).chain(last)
+}
+
+fn log2_unit<C: Chip>(chip: &C, work: &Work<'_>, log2: Log2) -> Option<Tally> {
+    let answers = Answers::of(log2);
+    work.over(BLOCKS, |block| {
+        let mut tally = Tally::default();
+        for segment in answers.of_block(block as u32) {
+            let right = |mantissa: u32| chip.raw_level((block as u32) << 23 | mantissa, log2) == segment.value;
+            // Counted without a branch: this loop runs 4 thousand million times.
+            let (compared, wrong) = if work.quick {
+                chosen(segment, true)
+                    .fold((0, 0), |(all, wrong), mantissa| (all + 1, wrong + u64::from(!right(mantissa))))
+            } else {
+                let wrong: u64 = (segment.start..segment.end).map(|mantissa| u64::from(!right(mantissa))).sum();
+                (u64::from(segment.end - segment.start), wrong)
+            };
+            tally.compared += compared;
+            tally.mismatches += wrong;
+            if wrong > 0 && tally.first.is_none() {
+                tally.first = chosen(segment, work.quick).find(|&mantissa| !right(mantissa)).map(|mantissa| {
+                    let bits = (block as u32) << 23 | mantissa;
+                    format!("{bits:#010X}: {} instead of {}", chip.raw_level(bits, log2), segment.value)
+                });
+            }
+        }
+        tally
+    })
+}
+
+/// Samplers whose selection is proven, with the last level of the chain.
+fn selections() -> [(Sampler, u8); 4] {
+    let sampler = Sampler::default();
+    [
+        (sampler, 12),
+        (Sampler { bias: 4096, lod_bits: 4, min_lod: 384, max_lod: 1856, ..sampler }, 20),
+        (Sampler { bias: -4096, lod_bits: 0, ..sampler }, 8),
+        // The limits crossed, the upper one unaligned.
+        (Sampler { bias: 77, lod_bits: 5, min_lod: 2000, max_lod: 1001, ..sampler }, 9),
+    ]
+}
+
+fn select<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
+    const PIECE: i64 = 1 << 16;
+    const ROUNDINGS: [(LevelRounding, i64); 3] =
+        [(LevelRounding::Floor, 0), (LevelRounding::Nearest, 128), (LevelRounding::Gl, 127)];
+    let ranges = selections().map(|(sampler, last)| (sampler, LevelRange::new(&sampler, last)));
+    // Quick: the pieces around zero, and those at both ends.
+    let pieces: Vec<i64> = if work.quick { vec![0, 1, 32767, 32768, 65534, 65535] } else { (0..1 << 16).collect() };
+    work.over(pieces.len(), |number| {
+        let mut tally = Tally::default();
+        let begin = pieces[number] * PIECE - (1 << 31);
+        for raw in begin..begin + PIECE {
+            for (sampler, range) in &ranges {
+                let (last, word) = (256 * i64::from(range.last), i64::from(i32::MIN)..=i64::from(i32::MAX));
+                let biased = (raw + i64::from(sampler.bias)).clamp(*word.start(), *word.end());
+                let low = i64::from(sampler.min_lod.max(0));
+                let level = biased.max(low).min(i64::from(sampler.max_lod)).min(last);
+                let step = 256 / (1 << sampler.lod_bits);
+                let fractional = (last).min((2 * level + step).div_euclid(2 * step) * step);
+                let raw = raw as i32;
+                let mut right = i64::from(chip.fractional(range, raw)) == fractional;
+                for (rounding, added) in ROUNDINGS {
+                    let whole = (level + added).div_euclid(256).min(last / 256);
+                    right &= i64::from(chip.whole(range, raw, rounding)) == whole;
+                }
+                tally.count(right, || {
+                    format!(
+                        "raw level {raw} with {sampler:?}: {} instead of {fractional}, or a whole level",
+                        chip.fractional(range, raw)
+                    )
+                });
+            }
+        }
+        tally
+    })
+}
+
+/// The longest chain there is, each level of one grey.
+const LAST: u8 = 20;
+const GREY: u32 = 12;
+
+fn whole_unit<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
+    let surface = Surface::new(PyramidKind::Mipmap, Layout::RowMajor, Format::Rgba8, 1 << LAST, 1)
+        .expect("2^20 is the longest side there is");
+    let mut bytes = vec![0; surface.bytes as usize];
+    for (level, plane) in surface.planes.iter().enumerate() {
+        let texels = vec![(GREY * level as u32) as u8; 4 * plane.width as usize];
+        store_plane(&surface, level, &texels, &mut bytes).expect("RGBA8 has room for any texel");
+    }
+    let sampler = Sampler { filter: Filter::Trilinear, lod_source: LodSource::Gradient, ..Sampler::default() };
+    let bound = Bound { sampler, surface: &surface, bytes: &bytes };
+    let answers = Answers::of(sampler.log2);
+    // Pieces of 1/16 of a block: 2^19 requests.
+    const PARTS: u32 = 16;
+    work.over(BLOCKS * PARTS as usize, |piece| {
+        let (block, part) = (piece as u32 / PARTS, piece as u32 % PARTS);
+        let within = part * (MANTISSAS / PARTS)..(part + 1) * (MANTISSAS / PARTS);
+        let mut tally = Tally::default();
+        let (mut requests, mut expected) = (Vec::new(), Vec::new());
+        let mut flush = |requests: &mut Vec<Request>, expected: &mut Vec<Response>| {
+            let mut responses = vec![Response::default(); requests.len()];
+            chip.run(&bound, requests, &mut responses);
+            for ((request, expected), response) in requests.iter().zip(expected.iter()).zip(&responses) {
+                tally.count(expected == response, || {
+                    format!("ratio {:#010X}: {response:?} instead of {expected:?}", request.scale[0])
+                });
+            }
+            requests.clear();
+            expected.clear();
+        };
+        for segment in answers.of_block(block) {
+            let part = Segment {
+                start: segment.start.max(within.start),
+                end: segment.end.min(within.end),
+                value: segment.value,
+            };
+            if part.start >= part.end {
+                continue;
+            }
+            let level = segment.value.clamp(0, 256 * i32::from(LAST)) as u32;
+            let (whole, blur) = (level / 256, level % 256);
+            let grey = (GREY * (256 * whole + blur) + 128) / 256;
+            let response = Response { texel: [grey as u8; 4], lod: [level as u16; 2] };
+            for mantissa in chosen(part, work.quick) {
+                requests.push(Request { scale: [block << 23 | mantissa, 0], ..Request::default() });
+                expected.push(response);
+                if requests.len() == 4096 {
+                    flush(&mut requests, &mut expected);
+                }
+            }
+        }
+        flush(&mut requests, &mut expected);
+        tally
+    })
+}
