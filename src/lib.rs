@@ -22,6 +22,7 @@ pub mod report;
 pub mod reuse;
 pub mod scene;
 pub mod stream;
+pub mod stress;
 pub mod sweep;
 pub mod texel_format;
 pub mod text_lines;

@@ -16,6 +16,7 @@ mod run;
 mod sample;
 mod scenes;
 mod stream;
+mod stress;
 mod sweep;
 mod time;
 mod trace;
@@ -58,6 +59,7 @@ enum Command {
     Reuse(reuse::Args),
     Run(run::Args),
     Sample(sample::Args),
+    Stress(stress::Args),
     Time(Box<time::Args>),
     Trace(trace::Args),
     Verify(verify::Args),
@@ -121,6 +123,7 @@ pub fn main() -> ExitCode {
         Command::Reuse(args) => reuse::run(&args),
         Command::Run(args) => run::run(&args),
         Command::Sample(args) => sample::run(&args),
+        Command::Stress(args) => stress::run(&args),
         Command::Time(args) => time::run(&args),
         Command::Trace(args) => trace::run(&args),
         Command::Verify(args) => verify::run(&args),

@@ -2,7 +2,10 @@
 
 use texunit_hw::{Batch, Filter, Log2, Sink, Unit, lod::raw_level};
 
-use super::{Case, LEVEL, Row, lab::{self, Lab}};
+use super::{
+    Case, LEVEL, Row,
+    lab::{self, Lab},
+};
 use crate::{
     error::{Error, Result},
     scene::{Fragment, Gradient},
@@ -84,6 +87,13 @@ fn million(_: &super::Options) -> Result<Vec<Row>> {
     let major = libm::sqrt(2.0 * (64.0 * 64.0 + 32.0 * 32.0));
     // Feline's cap of 16 spreads 16 probes over 8.5 widths.
     let ideal = libm::log2(major / 8.5);
-    rows.push(Row { input: "no area: the level probes use".into(), unit: LEVEL, careless, ours, ideal, allowed: 1.5 / 256.0 });
+    rows.push(Row {
+        input: "no area: the level probes use".into(),
+        unit: LEVEL,
+        careless,
+        ours,
+        ideal,
+        allowed: 1.5 / 256.0,
+    });
     Ok(rows)
 }

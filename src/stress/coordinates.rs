@@ -2,7 +2,10 @@
 
 use texunit_hw::{AddressMode, Filter, I12F20, LodSource, Request, Sampler, coordinate::from_f32_bits};
 
-use super::{Case, LSB, Options, Row, TEXEL, lab::{self, Lab}};
+use super::{
+    Case, LSB, Options, Row, TEXEL,
+    lab::{self, Lab},
+};
 use crate::{error::Result, front_end::coordinates};
 
 pub(super) const FAR: Case = Case {
@@ -64,7 +67,13 @@ fn far(_: &Options) -> Result<Vec<Row>> {
         (AddressMode::Clamp, "clamp", -2049.0),
         (AddressMode::Clip, "clip", 4096.5),
     ] {
-        rows.push(converted(&lab, &point(mode), u, wrapping(u), format!("{name}, u = {u}, against 32 bits that wrap"))?);
+        rows.push(converted(
+            &lab,
+            &point(mode),
+            u,
+            wrapping(u),
+            format!("{name}, u = {u}, against 32 bits that wrap"),
+        )?);
     }
     // Half a texel of 256 less, in 32 bits.
     let sampler = lab::sampler(Filter::Bilinear, AddressMode::Clamp, LodSource::Gradient);
@@ -85,9 +94,8 @@ fn far(_: &Options) -> Result<Vec<Row>> {
 
 fn floats(_: &Options) -> Result<Vec<Row>> {
     let places = || (0..4096u32).map(|i| 1024.0 + 0.25 * f64::from(i) + 1.0 / f64::from(i + 3));
-    let worst = |size: f64, found: &dyn Fn(f64) -> f64| {
-        places().map(|u| (found(u) - u).abs() * size).fold(0.0, f64::max)
-    };
+    let worst =
+        |size: f64, found: &dyn Fn(f64) -> f64| places().map(|u| (found(u) - u).abs() * size).fold(0.0, f64::max);
     let mut rows = Vec::new();
     for size in [256.0, 4096.0, 32768.0] {
         let as_float = |u: f64| f64::from(u as f32);

@@ -2,7 +2,10 @@
 
 use texunit_hw::{AddressMode, Filter, LodSource, Request};
 
-use super::{Case, LSB, Row, TEXEL, lab::{self, Lab}};
+use super::{
+    Case, LSB, Row, TEXEL,
+    lab::{self, Lab},
+};
 use crate::{error::Result, front_end::coordinates};
 
 pub(super) const PERSPECTIVE: Case = Case {

@@ -2,7 +2,10 @@
 
 use texunit_hw::{AddressMode, Filter, LodSource};
 
-use super::{Case, LEVEL, Row, lab::{self, Lab}};
+use super::{
+    Case, LEVEL, Row,
+    lab::{self, Lab},
+};
 use crate::{
     error::Result,
     scene::{Fragment, Gradient, Scene, Surface},

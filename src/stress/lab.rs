@@ -54,8 +54,9 @@ impl Lab {
     /// The chip's answers.
     pub fn ask(&self, sampler: &Sampler, requests: &[Request]) -> Result<Vec<Response>> {
         let memory = &self.held.memory;
-        let mut unit = Unit::new(sampler, &memory.surface, &memory.bytes)
-            .map_err(|error| Error::setting("case", "a unit", error.to_string(), "report this: it should be possible"))?;
+        let mut unit = Unit::new(sampler, &memory.surface, &memory.bytes).map_err(|error| {
+            Error::setting("case", "a unit", error.to_string(), "report this: it should be possible")
+        })?;
         let mut responses = vec![Response::default(); requests.len()];
         unit.run(requests, &mut responses, &mut ());
         Ok(responses)

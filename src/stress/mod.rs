@@ -92,9 +92,13 @@ impl FromStr for Q {
 
     fn from_str(text: &str) -> Result<Self, String> {
         text.split_once('.')
-            .and_then(|(integer, fraction)| Some(Self { integer: integer.parse().ok()?, fraction: fraction.parse().ok()? }))
+            .and_then(|(integer, fraction)| {
+                Some(Self { integer: integer.parse().ok()?, fraction: fraction.parse().ok()? })
+            })
             .filter(|q| (1..=32).contains(&q.integer) && (1..=40).contains(&q.fraction))
-            .ok_or_else(|| "write integer.fraction bits, 1 to 32 before the point and 1 to 40 behind it, for instance 9.23".into())
+            .ok_or_else(|| {
+                "write integer.fraction bits, 1 to 32 before the point and 1 to 40 behind it, for instance 9.23".into()
+            })
     }
 }
 

@@ -2,7 +2,10 @@
 
 use texunit_hw::{AddressMode, Filter, LodSource, Request};
 
-use super::{Case, LSB, Options, Q, Row, lab::{self, Lab}};
+use super::{
+    Case, LSB, Options, Q, Row,
+    lab::{self, Lab},
+};
 use crate::{error::Result, front_end::coordinates};
 
 pub(super) const FILTER_BITS: Case = Case {
@@ -68,7 +71,10 @@ fn filter_bits(options: &Options) -> Result<Vec<Row>> {
         });
         for &Q { integer, fraction } in &options.formats {
             rows.push(Row {
-                input: format!("{size} texels: the chip's 12.20 against {integer}.{fraction}, {} bits left", fraction.saturating_sub(log2)),
+                input: format!(
+                    "{size} texels: the chip's 12.20 against {integer}.{fraction}, {} bits left",
+                    fraction.saturating_sub(log2)
+                ),
                 unit: LSB,
                 careless: chip,
                 ours: of_format(fraction),
