@@ -4,6 +4,7 @@
 pub mod address_trace;
 pub mod annotated;
 pub mod area;
+pub mod budget;
 pub mod cli;
 pub mod energy;
 pub mod error;

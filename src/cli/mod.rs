@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, each with its `Args` and its `run`.
 
+mod budget;
 mod cache;
 mod drift;
 mod explain;
@@ -42,6 +43,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Budget(budget::Args),
     Cache(cache::Args),
     Scenes(scenes::Args),
     Stream(stream::Args),
@@ -106,6 +108,7 @@ fn progress_bar(length: u64) -> ProgressBar {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let outcome: Result<ExitCode> = match cli.command {
+        Command::Budget(args) => budget::run(&args),
         Command::Cache(args) => cache::run(args),
         Command::Scenes(args) => scenes::run(args),
         Command::Stream(args) => stream::run(&args),
