@@ -23,7 +23,7 @@ use texunit_hw::{
 };
 
 /// What is proven: every method is a unit of the chip, as built unless overridden.
-pub trait Chip: Sync {
+pub trait Chip: Sync + 'static {
     /// The log2 unit.
     fn raw_level(&self, squared_ratio: u32, log2: Log2) -> i32 {
         raw_level(squared_ratio, log2)

@@ -190,7 +190,7 @@ fn subjects(trilinear: bool, all_constants: bool) -> Vec<Subject> {
         seed.to_be_bytes()
     };
     let sides: &[usize] = if trilinear { &[4, 2, 1] } else { &[2, 1] };
-    let mut of = |texel: &mut dyn FnMut(usize, usize, usize) -> Texel| {
+    let of = |texel: &mut dyn FnMut(usize, usize, usize) -> Texel| {
         let level = |&side: &usize| (0..side * side).map(|at| texel(side, at % side, at / side)).collect();
         Subject::new(sides.iter().map(level).collect())
     };
