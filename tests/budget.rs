@@ -5,14 +5,17 @@ use std::process::Command;
 use texunit::{
     budget::{Budget, Ledger, Steps},
     machine::Machine,
-    scene::Scene,
+    scene::{Scene, TextureSource},
 };
 use texunit_hw::Filter;
 
 fn ledger<'m>(machine: &'m Machine, filters: &[Filter]) -> Ledger<'m> {
     let mut scene = Scene::builtin("rectangle-natural").unwrap();
     scene.size = [96, 72];
-    Ledger::new(machine, &scene, filters, 700).unwrap()
+    if let TextureSource::Procedural(texture) = &mut scene.texture.source {
+        texture.size = [128, 128];
+    }
+    Ledger::new(machine, &scene, filters, 300).unwrap()
 }
 
 fn budget(settings: &[&str], filter: Filter) -> Budget {
@@ -42,7 +45,7 @@ fn the_parts_of_every_sample_in_order_add_up_to_its_error_and_end_at_the_chip() 
     let ledger = ledger(&machine, &FILTERS);
     for filter in FILTERS {
         let steps = ledger.steps(filter).unwrap();
-        assert!(steps.len() > 300);
+        assert!(steps.len() == 900);
         for steps in &steps {
             let sum: f64 = steps.parts().iter().sum();
             // Six numbers below 256 added and subtracted in f64.
@@ -56,7 +59,7 @@ fn the_parts_of_every_sample_in_order_add_up_to_its_error_and_end_at_the_chip() 
         let shares: f64 = budget.parts.iter().map(|part| part.share).sum();
         let means: f64 = budget.parts.iter().map(|part| part.in_order.mean).sum();
         assert!((shares - budget.total.rms).abs() < 1e-9 && (means - budget.total.mean).abs() < 1e-9, "{budget:?}");
-        assert!(budget.residue < 1e-12 && budget.total.rms > 0.0);
+        assert!(budget.residue < 1e-12 && (budget.total.rms > 0.0 || filter == Filter::Point), "{budget:?}");
     }
 }
 

@@ -4,7 +4,7 @@ use std::{process::Command, sync::atomic::AtomicBool};
 
 use texunit::prove::{Bound, Built, Chip, Tally, Work, proofs};
 use texunit_hw::{
-    AddressMode, Footprint, I12F20, LevelRounding, Log2, Request, Response, Rounding,
+    AddressMode, Footprint, I12F20, Log2, Request, Response, Rounding, Unit,
     address::AddressUnit,
     coordinate::{Converted, from_f32_bits},
     lod::{LevelRange, raw_level},
@@ -77,21 +77,18 @@ fn a_sign_that_is_not_masked_is_caught_on_every_rung() {
     }
 }
 
-/// The level fraction is cut off instead of rounded, and a whole level may lie beyond the chain.
-struct Unclamped;
+/// The level fraction is cut off instead of rounded.
+struct CutOff;
 
-impl Chip for Unclamped {
+impl Chip for CutOff {
     fn fractional(&self, range: &LevelRange, raw: i32) -> i32 {
         range.clamp(raw) & !15
-    }
-    fn whole(&self, range: &LevelRange, raw: i32, rounding: LevelRounding) -> i32 {
-        range.whole(raw, rounding)
     }
 }
 
 #[test]
 fn a_level_that_is_not_rounded_is_caught() {
-    caught(&Unclamped, "lod-select", "raw level");
+    caught(&CutOff, "lod-select", "raw level");
 }
 
 /// The weights 255 - f and f (E23).
@@ -112,8 +109,8 @@ fn weights_that_sum_to_255_are_caught() {
 struct Datapath(fn(&Request, &mut Response));
 
 impl Chip for Datapath {
-    fn run(&self, bound: &Bound<'_>, requests: &[Request], responses: &mut [Response]) {
-        Built.run(bound, requests, responses);
+    fn answer(&self, unit: &mut Unit<'_>, requests: &[Request], responses: &mut [Response]) {
+        Built.answer(unit, requests, responses);
         for (request, response) in requests.iter().zip(responses) {
             (self.0)(request, response);
         }
@@ -124,12 +121,12 @@ impl Chip for Datapath {
 struct TwoRoundings;
 
 impl Chip for TwoRoundings {
-    fn run(&self, bound: &Bound<'_>, requests: &[Request], responses: &mut [Response]) {
+    fn unit<'a>(&self, bound: &Bound<'a>) -> Unit<'a> {
         let mut bound = *bound;
         if bound.sampler.rounding == Rounding::Once {
             bound.sampler.rounding = Rounding::StagedRound;
         }
-        Built.run(&bound, requests, responses);
+        Built.unit(&bound)
     }
 }
 

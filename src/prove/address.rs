@@ -49,7 +49,7 @@ fn bijection<C: Chip>(chip: &C, work: &Work<'_>, layout: Layout) -> Option<Tally
         sizes.extend((1..=SMALL).map(|width| [width, height]).filter(|[width, height]| !williams || width == height));
     }
     if work.quick {
-        sizes.retain(|[width, height]| (width * 5 + height * 3) % 37 == 0 || width == height && width % 5 == 1);
+        sizes.retain(|[width, height]| (width * 5 + height * 3) % 151 == 0 || width == height && width % 9 == 1);
         sizes.extend([[1023, 9], [5, 1025]].into_iter().filter(|_| !williams));
     } else if williams {
         sizes.extend([[1024; 2], [4096; 2], [1000; 2]]);
@@ -90,10 +90,15 @@ impl Claims {
             return false;
         }
         let mut free = true;
-        for byte in address..address + length {
-            let word = &mut self.words[(byte / 64) as usize];
-            free &= *word >> (byte % 64) & 1 == 0;
-            *word |= 1 << (byte % 64);
+        let (mut at, end) = (address, address + length);
+        while at < end {
+            // The part of it in one word.
+            let (word, first) = (&mut self.words[(at / 64) as usize], at % 64);
+            let count = (end - at).min(64 - first);
+            let mask = (u64::MAX >> (64 - count)) << first;
+            free &= *word & mask == 0;
+            *word |= mask;
+            at += count;
         }
         free
     }

@@ -182,7 +182,7 @@ fn convert<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
     work.over(512, |block| {
         let mut tally = Tally::default();
         for mantissa in
-            (0..1u32 << 23).step_by(if work.quick { 1021 } else { 1 }).chain(work.quick.then_some((1 << 23) - 1))
+            (0..1u32 << 23).step_by(if work.quick { 8191 } else { 1 }).chain(work.quick.then_some((1 << 23) - 1))
         {
             let bits = (block as u32) << 23 | mantissa;
             for &mode in &modes {

@@ -48,15 +48,20 @@ impl Answers {
     }
 }
 
-/// The runs of equal answers.
+/// The runs of equal answers: where each ends is found by bisection, for by its definition no answer of a unit falls as the mantissa
+/// rises.
 fn segments(answer: impl Fn(u32) -> i32) -> Vec<Segment> {
-    let mut segments: Vec<Segment> = Vec::new();
-    for mantissa in 0..MANTISSAS {
-        let value = answer(mantissa);
-        match segments.last_mut() {
-            Some(last) if last.value == value => last.end = mantissa + 1,
-            _ => segments.push(Segment { start: mantissa, end: mantissa + 1, value }),
+    let mut segments = Vec::new();
+    let mut start = 0;
+    while start < MANTISSAS {
+        let value = answer(start);
+        let (mut end, mut other) = (start + 1, MANTISSAS);
+        while end < other {
+            let middle = u32::midpoint(end, other);
+            if answer(middle) == value { end = middle + 1 } else { other = middle }
         }
+        segments.push(Segment { start, end, value });
+        start = end;
     }
     segments
 }

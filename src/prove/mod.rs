@@ -52,14 +52,16 @@ pub trait Chip: Sync + 'static {
     fn convert(&self, bits: u32, mode: AddressMode) -> Converted {
         from_f32_bits(bits, mode)
     }
-    /// The whole unit on a texture.
+    /// The whole unit, bound to a texture.
     ///
     /// # Panics
     /// If sampler, surface and bytes do not fit each other: the proofs' own do.
-    fn run(&self, bound: &Bound<'_>, requests: &[Request], responses: &mut [Response]) {
-        Unit::new(&bound.sampler, bound.surface, bound.bytes)
-            .expect("sampler and texture of a proof fit each other")
-            .run(requests, responses, &mut ());
+    fn unit<'a>(&self, bound: &Bound<'a>) -> Unit<'a> {
+        Unit::new(&bound.sampler, bound.surface, bound.bytes).expect("sampler and texture of a proof fit each other")
+    }
+    /// Its answers.
+    fn answer(&self, unit: &mut Unit<'_>, requests: &[Request], responses: &mut [Response]) {
+        unit.run(requests, responses, &mut ());
     }
 }
 

@@ -2,7 +2,7 @@
 
 use texunit_hw::{
     AddressMode, Filter, Format, I12F20, Layout, LodSource, PyramidKind, Request, Response, Rounding, Sampler, Surface,
-    Texel, memory::store_plane,
+    Texel, Unit, memory::store_plane,
 };
 
 use super::{Bound, Chip, Proof, Tally, Work};
@@ -58,7 +58,7 @@ fn lerp<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
     })
 }
 
-/// A texture without a cache, a sampler, and what is asked of it.
+/// A small texture.
 struct Small {
     surface: Surface,
     bytes: Vec<u8>,
@@ -76,11 +76,16 @@ impl Small {
         Self { surface, bytes }
     }
 
-    fn ask<C: Chip>(&self, chip: &C, sampler: Sampler, requests: &[Request]) -> Vec<Response> {
-        let mut responses = vec![Response::default(); requests.len()];
-        chip.run(&Bound { sampler, surface: &self.surface, bytes: &self.bytes }, requests, &mut responses);
-        responses
+    fn bind(&self, sampler: Sampler) -> Bound<'_> {
+        Bound { sampler, surface: &self.surface, bytes: &self.bytes }
     }
+}
+
+/// The answers to some requests.
+fn ask<C: Chip>(chip: &C, unit: &mut Unit<'_>, requests: &[Request]) -> Vec<Response> {
+    let mut responses = vec![Response::default(); requests.len()];
+    chip.answer(unit, requests, &mut responses);
+    responses
 }
 
 fn sampler(filter: Filter, filter_bits: u8, rounding: Rounding) -> Sampler {
@@ -107,7 +112,8 @@ fn lerp_unit<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
             let texture = Small::new([2, 1], &[vec![[a; 4], right]]);
             for rounding in ROUNDINGS {
                 let half = if rounding == Rounding::StagedTruncate { 0 } else { 128 };
-                let responses = texture.ask(chip, sampler(Filter::Bilinear, 8, rounding), &requests);
+                let mut unit = chip.unit(&texture.bind(sampler(Filter::Bilinear, 8, rounding)));
+                let responses = ask(chip, &mut unit, &requests);
                 for (fraction, response) in responses.iter().enumerate() {
                     for (channel, &b) in right.iter().enumerate() {
                         let exact = (256 * i64::from(a) + (i64::from(b) - i64::from(a)) * fraction as i64 + half)
@@ -240,7 +246,7 @@ fn weights<C: Chip>(chip: &C, work: &Work<'_>, trilinear: bool) -> Option<Tally>
         let mut tally = Tally::default();
         for subject in if bits <= 8 && !(work.quick && bits > 4) { &many } else { &few } {
             for rounding in ROUNDINGS {
-                let sampler = sampler(filter, bits as u8, rounding);
+                let mut unit = chip.unit(&subject.texture.bind(sampler(filter, bits as u8, rounding)));
                 for &(g, blur) in &rows {
                     let requests: Vec<Request> = columns
                         .iter()
@@ -250,7 +256,7 @@ fn weights<C: Chip>(chip: &C, work: &Work<'_>, trilinear: bool) -> Option<Tally>
                         })
                         .collect();
                     let mut before = [0; 4];
-                    for (request, response) in requests.iter().zip(subject.texture.ask(chip, sampler, &requests)) {
+                    for (request, response) in requests.iter().zip(ask(chip, &mut unit, &requests)) {
                         let at = [request.u, request.v].map(|c| i64::from(c.to_bits()));
                         let mut right = true;
                         for channel in 0..4 {

@@ -135,7 +135,7 @@ fn odd(_: &Options) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     let wide = Lab::mipmap(&lab::row(5000, |i| (i * 255 / 4999) as u8))?;
     let sampler = lab::sampler(Filter::Point, AddressMode::Wrap, LodSource::Gradient);
-    for u in [0.9999999, 0.5, 0.2] {
+    for u in [0.9999999, 0.5001, 0.2101] {
         let fixed = libm::floor(u * 1_048_576.0) as u32;
         // 36 bits are needed.
         let texel = fixed.wrapping_mul(5000) >> 20;
