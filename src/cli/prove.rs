@@ -46,7 +46,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let mut rows: Vec<Value> = Vec::new();
     let (mut compared, mut mismatches) = (0, 0);
     if !args.json {
-        print(|out| writeln!(out, "{:26} {:>15} {:>10}  what", "proof", "compared", "mismatches"))?;
+        let what = if args.quick { "what (a subset of it)" } else { "what" };
+        print(|out| writeln!(out, "{:26} {:>15} {:>10}  {what}", "proof", "compared", "mismatches"))?;
     }
     for proof in &chosen {
         let bar = progress_bar(0).with_message(proof.name.clone());
