@@ -8,7 +8,7 @@ mod unrounded;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use texunit_hw::{Filter, LodSource, Response, Sampler, Unit};
+use texunit_hw::{AddressMode, Filter, LodSource, Response, Sampler, Unit};
 
 use crate::{
     error::{Error, Result},
@@ -99,8 +99,9 @@ pub struct Ledger<'m> {
     pyramids: Pyramids,
     unrounded: Vec<Unrounded>,
     fragments: Vec<Fragment>,
-    address: [texunit_hw::AddressMode; 2],
+    address: [AddressMode; 2],
     size: [u32; 2],
+    polygon_level: Option<u8>,
 }
 
 impl<'m> Ledger<'m> {
@@ -129,7 +130,10 @@ impl<'m> Ledger<'m> {
         let all: Vec<Fragment> = scene.fragments().collect();
         let count = samples.min(all.len());
         let fragments = (0..count).map(|number| all[number * all.len() / count]).collect();
-        Ok(Self { machine, pyramids, unrounded, fragments, address: scene.texture.wrap, size: scene.texture.size() })
+        let (address, size) = (scene.texture.wrap, scene.texture.size());
+        // All pixels count for a level they share, not only the samples.
+        let shape = FrontEnd::new(machine, Filter::Trilinear, address, size).of_shape(machine, |seen| seen.add(&all));
+        Ok(Self { machine, pyramids, unrounded, fragments, address, size, polygon_level: shape.polygon_level })
     }
 
     /// The steps of every sample, channel by channel.
@@ -140,11 +144,8 @@ impl<'m> Ledger<'m> {
         let (pyramid, memory) = self.pyramids.of(filter);
         let sampler = self.machine.sampler(filter, self.address, LodSource::Gradient);
         let front_end = FrontEnd {
-            filter,
-            address: self.address,
-            norm: self.machine.lod.norm,
-            rule: self.machine.lod.dipmap_rule,
-            size: self.size,
+            polygon_level: self.polygon_level,
+            ..FrontEnd::new(self.machine, filter, self.address, self.size)
         };
         let (requests, _) = front_end.requests(&self.fragments);
         let mut responses = vec![Response::default(); requests.len()];

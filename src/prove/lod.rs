@@ -42,7 +42,7 @@ pub(super) fn proofs<C: Chip>() -> Vec<Proof<C>> {
 /// The mantissas of a segment that are compared.
 fn chosen(segment: Segment, quick: bool) -> impl Iterator<Item = u32> {
     let Segment { start, end, .. } = segment;
-    let last = (quick && (end - 1 - start) as usize % STRIDE != 0).then_some(end - 1);
+    let last = (quick && !((end - 1 - start) as usize).is_multiple_of(STRIDE)).then_some(end - 1);
     (start..end).step_by(if quick { STRIDE } else { 1 }).chain(last)
 }
 

@@ -259,7 +259,7 @@ fn weights<C: Chip>(chip: &C, work: &Work<'_>, trilinear: bool) -> Option<Tally>
                     for (request, response) in requests.iter().zip(ask(chip, &mut unit, &requests)) {
                         let at = [request.u, request.v].map(|c| i64::from(c.to_bits()));
                         let mut right = true;
-                        for channel in 0..4 {
+                        for (channel, &value) in response.texel.iter().enumerate() {
                             let tap = |level: usize| {
                                 tap(&subject.levels[level], subject.side >> level, at, bits, rounding, channel)
                             };
@@ -268,7 +268,6 @@ fn weights<C: Chip>(chip: &C, work: &Work<'_>, trilinear: bool) -> Option<Tally>
                             } else {
                                 whole(tap(0), bits, rounding)
                             };
-                            let value = response.texel[channel];
                             right &= i64::from(value) == exact
                                 && (subject.least[channel]..=subject.largest[channel]).contains(&value)
                                 && (value >= before[channel] || !subject.rises[channel]);

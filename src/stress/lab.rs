@@ -5,9 +5,10 @@ use texunit_hw::{AddressMode, Filter, Format, LodSource, PyramidKind, Request, R
 use crate::{
     error::{Error, Result},
     front_end::{FrontEnd, coordinates},
+    machine::Machine,
     pyramid::{Build, PlaneImage, Pyramid},
     reference::ideal::{Detail, Ideal, IdealSampler},
-    scene::{AxisRule, Fragment, Gradient, Norm},
+    scene::{Fragment, Gradient},
     texel_format::Stored,
     texture_memory::{Held, Storage},
 };
@@ -81,13 +82,7 @@ impl Lab {
 
     /// The front end of this texture.
     pub fn front_end(&self, filter: Filter) -> FrontEnd {
-        FrontEnd {
-            filter,
-            address: [AddressMode::Wrap; 2],
-            norm: Norm::Heckbert,
-            rule: AxisRule::default(),
-            size: self.size(),
-        }
+        FrontEnd::new(&Machine::default(), filter, [AddressMode::Wrap; 2], self.size())
     }
 
     /// The level trilinear uses for a gradient in texels: front end and chip.

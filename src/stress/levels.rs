@@ -71,9 +71,9 @@ fn whole(_: &Options) -> Result<Vec<Row>> {
         ratio * ratio
     };
     let mut rows = Vec::new();
-    let orders: [(&str, fn(f32, f32) -> f32); 2] = [("(j j) invw4", herf_squared), ("(j invw2)^2", second)];
-    for (name, squared) in orders {
-        let ratios: Vec<f32> = pixels.iter().map(|&(j, w)| squared(j, w)).collect();
+    let ratios =
+        |squared: &dyn Fn(f32, f32) -> f32| -> Vec<f32> { pixels.iter().map(|&(j, w)| squared(j, w)).collect() };
+    for (name, ratios) in [("(j j) invw4", ratios(&herf_squared)), ("(j invw2)^2", ratios(&second))] {
         let share = |wrong: usize| 100.0 * wrong as f64 / PIXELS as f64;
         let flipped = |ratio: &&f32| (libm::floor(libm::log2(f64::from(**ratio)) / 2.0) - 2.0).abs() > 0.0;
         let careless = share(ratios.iter().filter(flipped).count());
@@ -207,7 +207,8 @@ fn bias(_: &Options) -> Result<Vec<Row>> {
         allowed: 0.0,
     };
     // A sum of floats, cast.
-    let not_a_number = f64::from(((f32::NAN + -16.0) as i32).clamp(0, 8));
+    let cast = |squared: f32, bias: f32| f64::from(((libm::log2f(squared) / 2.0 + bias) as i32).clamp(0, 8));
+    let not_a_number = cast(f32::NAN, -16.0);
     // Clamped first, biased then.
     let clamped_first = |squared: f64, bias: f64| (careless_level(squared, 8.0) + bias).max(0.0);
     // An unsigned 8.8.

@@ -42,7 +42,7 @@ fn filter_bits(options: &Options) -> Result<Vec<Row>> {
     for log2 in [8, 10, 12, 13, 14, 15, 16] {
         let size = 1u32 << log2;
         // The white texel stands where the fraction has its worst bits: not at a round coordinate.
-        let white = size / 3 | 1;
+        let white = (size / 3) | 1;
         let lab = Lab::mipmap(&lab::row(size, |i| if i == white { 255 } else { 0 }))?;
         let places: Vec<(f64, f64)> = (0..2048)
             .map(|step| (f64::from(step) + 0.37) / 2048.0)
