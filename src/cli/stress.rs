@@ -9,7 +9,7 @@ use super::progress_bar;
 use crate::{
     error::{Error, Result},
     output::{print, write_whole},
-    stress::{CASES, Case, Finding, Options, Q, Summary},
+    stress::{CASES, Case, Finding, Options, Q, Summary, shown},
 };
 
 /// Try every extreme input (X1 to X23) on a careless unit, on this one, and on an ideal one
@@ -90,26 +90,11 @@ fn show(out: &mut dyn std::io::Write, finding: &Finding) -> std::io::Result<()> 
     for row in &finding.rows {
         let numbers = [row.careless, row.ours, row.ideal, row.careless_error(), row.error(), row.allowed];
         let verdict = if row.passes() { "" } else { "FAIL" };
-        let cells = [row.input.clone(), row.unit.into()].into_iter().chain(numbers.map(number));
+        let cells = [row.input.clone(), row.unit.into()].into_iter().chain(numbers.map(shown));
         table.add_row(cells.chain([verdict.into()]));
     }
     for column in table.column_iter_mut().skip(2) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     writeln!(out, "{table}")
-}
-
-/// Four digits that count, or all of a whole number.
-fn number(value: f64) -> String {
-    let magnitude = value.abs();
-    if !value.is_finite() || value == 0.0 {
-        value.to_string()
-    } else if value.fract() == 0.0 && magnitude < 1e15 {
-        format!("{value:.0}")
-    } else if !(1e-3..1e6).contains(&magnitude) {
-        format!("{value:.2e}")
-    } else {
-        let digits = (3 - libm::floor(libm::log10(magnitude)) as i32).clamp(0, 6) as usize;
-        format!("{value:.digits$}")
-    }
 }

@@ -239,3 +239,24 @@ impl Summary {
         Self { cases: findings.len(), failed: findings.iter().filter(|finding| !finding.passes()).count() }
     }
 }
+
+/// An answer in a table: four digits that count, or all of a whole number.
+///
+/// ```
+/// use texunit::stress::shown;
+/// assert_eq!([0.585_94, 0.0, 4_294_967_296.0, 1.5e-9].map(shown), ["0.5859", "0", "4294967296", "1.50e-9"]);
+/// ```
+#[must_use]
+pub fn shown(value: f64) -> String {
+    let magnitude = value.abs();
+    if !value.is_finite() || value == 0.0 {
+        value.to_string()
+    } else if value.fract() == 0.0 && magnitude < 1e15 {
+        format!("{value:.0}")
+    } else if !(1e-3..1e6).contains(&magnitude) {
+        format!("{value:.2e}")
+    } else {
+        let digits = (3 - libm::floor(libm::log10(magnitude)) as i32).clamp(0, 6) as usize;
+        format!("{value:.digits$}")
+    }
+}

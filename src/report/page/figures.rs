@@ -6,7 +6,10 @@ use maud::{Markup, PreEscaped, html};
 use serde_json::Value;
 
 use super::results::{Results, scene_name};
-use crate::report::plot::{Axis, Plot, Series, Style};
+use crate::{
+    report::plot::{Axis, Plot, Series, Style},
+    stress::shown,
+};
 
 /// Columns of the table of filters: metric, heading, unit, decimals, factor, and whether less or more is better, if either.
 const COLUMNS: [(&str, &str, &str, usize, f64, i8); 18] = [
@@ -276,13 +279,7 @@ fn reuse_section(results: &Results, reuse: &Value, scene: &Value) -> Markup {
 fn stress_section(stress: &Value) -> Markup {
     let cases: Vec<&Value> = stress["cases"].as_array().into_iter().flatten().collect();
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-    let number = |value: &Value| match value.as_f64() {
-        Some(0.0) => "0".to_owned(),
-        Some(whole) if whole.fract() == 0.0 && whole.abs() < 1e15 => format!("{whole:.0}"),
-        Some(other) if !(1e-3..1e6).contains(&other.abs()) => format!("{other:.2e}"),
-        Some(other) => format!("{other:.4}"),
-        None => text(value),
-    };
+    let number = |value: &Value| value.as_f64().map_or_else(|| text(value), shown);
     let failed = cases.iter().filter(|case| case["passes"] != true).count();
     html! {
         p { (cases.len()) " cases, " (failed) " failed. Every careless answer is computed by code one might write; ours come from the chip." }
