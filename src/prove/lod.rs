@@ -85,29 +85,39 @@ fn selections() -> [(Sampler, u8); 4] {
     ]
 }
 
+/// The rules that make a whole level, with what each adds before the floor.
+const WHOLE: [(LevelRounding, i64); 3] =
+    [(LevelRounding::Floor, 0), (LevelRounding::Nearest, 128), (LevelRounding::Gl, 127)];
+
+/// What becomes of a level within the limits: at the width of the fraction, and whole by each rule.
+fn rounded(level: i64, last: i64, bits: u8) -> ([i32; 3], i32) {
+    let step = 256 / (1 << bits);
+    let fractional = last.min((2 * level + step).div_euclid(2 * step) * step);
+    (WHOLE.map(|(_, added)| (level + added).div_euclid(256).min(last / 256) as i32), fractional as i32)
+}
+
 fn select<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
     const PIECE: i64 = 1 << 16;
-    const ROUNDINGS: [(LevelRounding, i64); 3] =
-        [(LevelRounding::Floor, 0), (LevelRounding::Nearest, 128), (LevelRounding::Gl, 127)];
-    let ranges = selections().map(|(sampler, last)| (sampler, LevelRange::new(&sampler, last)));
+    let ranges = selections().map(|(sampler, last)| {
+        let end = 256 * i64::from(last);
+        let answers: Vec<_> = (0..=end).map(|level| rounded(level, end, sampler.lod_bits)).collect();
+        (sampler, LevelRange::new(&sampler, last), answers)
+    });
     // Quick: the pieces around zero, and those at both ends.
     let pieces: Vec<i64> = if work.quick { vec![0, 1, 32767, 32768, 65534, 65535] } else { (0..1 << 16).collect() };
     work.over(pieces.len(), |number| {
         let mut tally = Tally::default();
         let begin = pieces[number] * PIECE - (1 << 31);
-        for raw in begin..begin + PIECE {
-            for (sampler, range) in &ranges {
-                let (last, word) = (256 * i64::from(range.last), i64::from(i32::MIN)..=i64::from(i32::MAX));
-                let biased = (raw + i64::from(sampler.bias)).clamp(*word.start(), *word.end());
-                let low = i64::from(sampler.min_lod.max(0));
-                let level = biased.max(low).min(i64::from(sampler.max_lod)).min(last);
-                let step = 256 / (1 << sampler.lod_bits);
-                let fractional = (last).min((2 * level + step).div_euclid(2 * step) * step);
+        for (sampler, range, answers) in &ranges {
+            let end = answers.len() as i64 - 1;
+            let [low, high] = [i64::from(sampler.min_lod.max(0)), i64::from(sampler.max_lod).min(end)];
+            for raw in begin..begin + PIECE {
+                let biased = (raw + i64::from(sampler.bias)).clamp(i32::MIN.into(), i32::MAX.into());
+                let (whole, fractional) = answers[biased.max(low).min(high) as usize];
                 let raw = raw as i32;
-                let mut right = i64::from(chip.fractional(range, raw)) == fractional;
-                for (rounding, added) in ROUNDINGS {
-                    let whole = (level + added).div_euclid(256).min(last / 256);
-                    right &= i64::from(chip.whole(range, raw, rounding)) == whole;
+                let mut right = chip.fractional(range, raw) == fractional;
+                for ((rounding, _), whole) in WHOLE.into_iter().zip(whole) {
+                    right &= chip.whole(range, raw, rounding) == whole;
                 }
                 tally.count(right, || {
                     format!(
