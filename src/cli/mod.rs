@@ -8,6 +8,7 @@ macro_rules! say {
     }};
 }
 
+mod budget;
 mod cache;
 mod conform;
 mod drift;
@@ -19,12 +20,14 @@ mod mips;
 mod paper;
 mod pareto;
 mod peers;
+mod prove;
 mod report;
 mod reuse;
 mod run;
 mod sample;
 mod scenes;
 mod stream;
+mod stress;
 mod sweep;
 mod time;
 mod trace;
@@ -50,6 +53,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Budget(budget::Args),
     Cache(cache::Args),
     Conform(conform::Args),
     Scenes(scenes::Args),
@@ -64,10 +68,12 @@ enum Command {
     Paper(paper::Args),
     Pareto(pareto::Args),
     Peers(peers::Args),
+    Prove(prove::Args),
     Report(report::Args),
     Reuse(reuse::Args),
     Run(run::Args),
     Sample(sample::Args),
+    Stress(stress::Args),
     Time(Box<time::Args>),
     Trace(trace::Args),
     Verify(verify::Args),
@@ -114,6 +120,7 @@ fn progress_bar(length: u64) -> ProgressBar {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let outcome: Result<ExitCode> = match cli.command {
+        Command::Budget(args) => budget::run(&args),
         Command::Cache(args) => cache::run(args),
         Command::Conform(args) => conform::run(&args),
         Command::Scenes(args) => scenes::run(args),
@@ -128,10 +135,12 @@ pub fn main() -> ExitCode {
         Command::Paper(args) => paper::run(&args),
         Command::Pareto(args) => pareto::run(&args),
         Command::Peers(args) => peers::run(&args),
+        Command::Prove(args) => prove::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Reuse(args) => reuse::run(&args),
         Command::Run(args) => run::run(&args),
         Command::Sample(args) => sample::run(&args),
+        Command::Stress(args) => stress::run(&args),
         Command::Time(args) => time::run(&args),
         Command::Trace(args) => trace::run(&args),
         Command::Verify(args) => verify::run(&args),

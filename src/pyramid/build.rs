@@ -104,6 +104,41 @@ impl Build {
     }
 }
 
+/// Fraction bits of [`Build::unrounded`].
+pub const UNROUNDED_BITS: u32 = 24;
+
+impl Build {
+    /// The planes of a pyramid before they become 8 bits: every channel clamped to 0..=255, with 24 fraction bits, floored. Made from the
+    /// texture whatever [`Build::from`] says, and never limited to alpha: both are ways of rounding.
+    ///
+    /// ```
+    /// use texunit::pyramid::{Build, PlaneImage};
+    /// use texunit_hw::PyramidKind;
+    ///
+    /// let texture = PlaneImage::top(2, 1, vec![[0, 0, 0, 255], [255, 0, 0, 255]]);
+    /// let planes = Build::default().unrounded(PyramidKind::Mipmap, &texture)?;
+    /// assert_eq!(planes[1][0][0], 255 << 23); // 127.5
+    /// # Ok::<(), texunit::error::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A width the kernel cannot have.
+    pub fn unrounded(&self, kind: PyramidKind, top: &PlaneImage) -> Result<Vec<Vec<[u32; 4]>>> {
+        let width = self.kernel.width(self.width)?;
+        let plane = |(lu, lv): (u8, u8)| {
+            let axis = |from, to| AxisTaps::new(self.kernel, width, self.edge, from, to);
+            let (u, v) = (axis(top.width, halved(top.width, lu)), axis(top.height, halved(top.height, lv)));
+            let total = i128::from(u.total) * i128::from(v.total);
+            let channel = |sum: i64| {
+                let value = (i128::from(sum) << UNROUNDED_BITS).div_euclid(total);
+                value.clamp(0, 255 << UNROUNDED_BITS) as u32
+            };
+            sums(top, &u, &v, |sums| sums.map(channel))
+        };
+        Ok(planes_of(kind, top.width, top.height).into_iter().map(plane).collect())
+    }
+}
+
 /// The plane with the most halvings that `(lu, lv)` can be halved from; of equals the one that leaves the u axis to halve.
 fn nearest_above(planes: &[PlaneImage], lu: u8, lv: u8) -> Option<&PlaneImage> {
     planes.iter().filter(|plane| plane.lu <= lu && plane.lv <= lv).max_by_key(|plane| (plane.lu + plane.lv, plane.lv))
@@ -147,7 +182,7 @@ impl Division {
     }
 }
 
-/// One plane from another: columns summed in 32 bits, rows of those sums in 64, one division.
+/// One plane from another, rounded.
 fn resample(
     source: &PlaneImage,
     u: &AxisTaps,
@@ -155,9 +190,22 @@ fn resample(
     rounding: PlaneRounding,
     limit_colour: bool,
 ) -> Vec<[u8; 4]> {
-    let row_length = source.width as usize;
     let division = Division::new(u.total * v.total, rounding);
-    let mut texels = vec![[0; 4]; u.len() * v.len()];
+    sums(source, u, v, |sums| {
+        let texel = sums.map(|sum| division.of(sum));
+        if limit_colour { texel.map(|channel| channel.min(texel[3])) } else { texel }
+    })
+}
+
+/// The exact sums of a plane's texels, each made into a texel: columns summed in 32 bits, rows of those sums in 64.
+fn sums<T: Copy + Default + Send>(
+    source: &PlaneImage,
+    u: &AxisTaps,
+    v: &AxisTaps,
+    finish: impl Fn([i64; 4]) -> T + Sync,
+) -> Vec<T> {
+    let row_length = source.width as usize;
+    let mut texels = vec![T::default(); u.len() * v.len()];
     texels.par_chunks_mut(u.len()).enumerate().for_each_init(
         || vec![[0i32; 4]; row_length],
         |columns, (j, row)| {
@@ -177,11 +225,7 @@ fn resample(
                         *sum += i64::from(tap.weight) * i64::from(part);
                     }
                 }
-                *texel = sums.map(|sum| division.of(sum));
-                if limit_colour {
-                    let alpha = texel[3];
-                    *texel = texel.map(|channel| channel.min(alpha));
-                }
+                *texel = finish(sums);
             }
         },
     );

@@ -63,7 +63,7 @@ pub enum Detail {
 }
 
 impl Detail {
-    fn level(self, axis: usize) -> f64 {
+    pub(super) fn level(self, axis: usize) -> f64 {
         match self {
             Self::Level(levels) => levels[axis],
             Self::SquaredRatio(squared) | Self::Footprint(Footprint { squared, .. }) if squared[axis].is_nan() => {
@@ -75,7 +75,7 @@ impl Detail {
         }
     }
 
-    fn aim(self) -> Aim {
+    pub(super) fn aim(self) -> Aim {
         match self {
             Self::Level(_) | Self::SquaredRatio(_) => Aim::default(),
             Self::Footprint(Footprint { axes, pixel, .. }) => Aim {

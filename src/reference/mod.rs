@@ -14,6 +14,7 @@ pub mod front_end;
 pub mod ideal;
 mod jitter;
 mod lod;
+pub mod partial;
 mod planes;
 mod probes;
 pub mod sat;

@@ -3,3 +3,4 @@
 pub mod page;
 pub mod plot;
 pub mod response_plot;
+pub mod stack;

@@ -6,7 +6,10 @@ use maud::{Markup, PreEscaped, html};
 use serde_json::Value;
 
 use super::results::{Results, scene_name};
-use crate::report::plot::{Axis, Plot, Series, Style};
+use crate::{
+    report::plot::{Axis, Plot, Series, Style},
+    stress::shown,
+};
 
 /// Columns of the table of filters: metric, heading, unit, decimals, factor, and whether less or more is better, if either.
 const COLUMNS: [(&str, &str, &str, usize, f64, i8); 18] = [
@@ -57,6 +60,9 @@ pub(super) fn sections(number: usize, results: &Results) -> Vec<(String, Markup)
             };
             sections.push((format!("{}: in motion", scene_name(&scene)), section));
         }
+    }
+    if let Some(stress) = &results.stress {
+        sections.push(("Extreme inputs".to_owned(), stress_section(stress)));
     }
     if let Some((columns, rows)) = &results.sweep {
         for (heading, plot) in sweep_plots(columns, rows) {
@@ -269,6 +275,37 @@ fn reuse_section(results: &Results, reuse: &Value, scene: &Value) -> Markup {
     }
 }
 
+/// Every extreme input with a careless answer beside ours, a case at a time.
+fn stress_section(stress: &Value) -> Markup {
+    let cases: Vec<&Value> = stress["cases"].as_array().into_iter().flatten().collect();
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    let number = |value: &Value| value.as_f64().map_or_else(|| text(value), shown);
+    let failed = cases.iter().filter(|case| case["passes"] != true).count();
+    html! {
+        p { (cases.len()) " cases, " (failed) " failed. Every careless answer is computed by code one might write; ours come from the chip." }
+        @for case in &cases {
+            details open[case["passes"] != true] {
+                summary { (text(&case["case"])) ", " (text(&case["title"])) ": " @if case["passes"] == true { "pass" } @else { strong { "FAIL" } } }
+                p.quiet { (text(&case["wrong"])) }
+                div.wide { table {
+                    thead { tr {
+                        th { "input" } th.text { "unit" } th { "careless" } th { "ours" } th { "ideal" }
+                        th { "careless" small { "error" } } th { "ours" small { "error" } } th { "allowed" }
+                    } }
+                    tbody { @for row in case["rows"].as_array().into_iter().flatten() { tr {
+                        td { (text(&row["input"])) }
+                        td.text { (text(&row["unit"])) }
+                        @for key in ["careless", "ours", "ideal", "careless_error", "error", "allowed"] {
+                            td.best[key == "error" && row["passes"] != true] { (number(&row[key])) }
+                        }
+                    } } }
+                } }
+            }
+        }
+        details { summary { "Command" } pre { (command(stress)) } }
+    }
+}
+
 /// Bytes per pixel over the size of the cache, a line for each filter and setting.
 fn sweep_plots(columns: &[String], rows: &[Vec<String>]) -> Vec<(String, Plot)> {
     let at = |name: &str| columns.iter().position(|known| known == name);
@@ -326,6 +363,13 @@ fn pretty(value: &Value) -> String {
 
 /// The command that made a figure, and its machine with every default filled in.
 fn provenance(results: &Value) -> Markup {
+    html! {
+        details { summary { "Command and machine" } pre { (command(results)) "\n\n" (pretty(&results["machine"])) } }
+    }
+}
+
+/// The command that made a figure, as one would type it.
+fn command(results: &Value) -> String {
     let words = results["command"].as_array().into_iter().flatten().filter_map(Value::as_str);
     let command: Vec<String> = words
         .enumerate()
@@ -337,7 +381,5 @@ fn provenance(results: &Value) -> Markup {
             _ => word.to_owned(),
         })
         .collect();
-    html! {
-        details { summary { "Command and machine" } pre { (command.join(" ")) "\n\n" (pretty(&results["machine"])) } }
-    }
+    command.join(" ")
 }

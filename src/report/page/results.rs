@@ -20,7 +20,7 @@ pub enum Images {
     Jpeg,
 }
 
-/// A folder's results: of `texunit run`, `pareto`, `reuse`, `frames` or `sweep`.
+/// A folder's results: of `texunit run`, `pareto`, `reuse`, `frames`, `stress` or `sweep`.
 #[derive(Clone, Debug)]
 pub struct Results {
     /// Its name.
@@ -33,6 +33,8 @@ pub struct Results {
     pub reuse: Option<Value>,
     /// frames.json
     pub frames: Option<Value>,
+    /// stress.json
+    pub stress: Option<Value>,
     /// sweep.csv: its columns and rows.
     pub sweep: Option<(Vec<String>, Vec<Vec<String>>)>,
     /// Command and machine of the sweep, from its first point.
@@ -76,6 +78,7 @@ impl Results {
             pareto: json(&at("pareto.json"))?,
             reuse: json(&at("reuse.json"))?,
             frames: json(&at("frames.json"))?,
+            stress: json(&at("stress.json"))?,
             sweep: None,
             sweep_point: json(&at("point-000000.json"))?,
             images: Vec::new(),
@@ -99,9 +102,9 @@ impl Results {
                 results.plots.push((scene, fs::read_to_string(&path).map_err(Error::io(&path))?));
             }
         }
-        let parts = [&results.run, &results.pareto, &results.reuse, &results.frames];
+        let parts = [&results.run, &results.pareto, &results.reuse, &results.frames, &results.stress];
         if parts.iter().all(|part| part.is_none()) && results.sweep.is_none() {
-            let remedy = "give folders written by texunit run, pareto, reuse, frames or sweep";
+            let remedy = "give folders written by texunit run, pareto, reuse, frames, stress or sweep";
             return Err(Error::setting("DIR", folder.display(), "no results in it", remedy));
         }
         Ok(results)
