@@ -20,6 +20,7 @@ mod log2_table;
 mod probe_tables;
 mod probes;
 pub mod sat;
+mod empty_taps;
 pub mod taps;
 
 pub mod address;
@@ -34,6 +35,7 @@ pub mod cache;
 pub mod sweep;
 
 pub mod datapath;
+mod one_channel;
 pub mod memory;
 
 pub mod decompression;

@@ -7,6 +7,7 @@ mod frames;
 mod kernels;
 mod lod;
 mod mips;
+mod needs;
 mod paper;
 mod pareto;
 mod report;
@@ -50,6 +51,7 @@ enum Command {
     Kernels(kernels::Args),
     Lod(lod::Args),
     Mips(mips::Args),
+    Needs(Box<needs::Args>),
     Paper(paper::Args),
     Pareto(pareto::Args),
     Report(report::Args),
@@ -112,6 +114,7 @@ pub fn main() -> ExitCode {
         Command::Kernels(args) => kernels::run(args),
         Command::Lod(args) => lod::run(&args),
         Command::Mips(args) => mips::run(args),
+        Command::Needs(args) => needs::run(&args),
         Command::Paper(args) => paper::run(&args),
         Command::Pareto(args) => pareto::run(&args),
         Command::Report(args) => report::run(&args),
