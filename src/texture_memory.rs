@@ -117,12 +117,7 @@ impl TextureMemory {
         Ok(memory)
     }
 
-    fn empty(
-        kind: PyramidKind,
-        size: [u32; 2],
-        storage: &Storage,
-        held: impl Fn(u8, u8) -> bool,
-    ) -> Result<Self> {
+    fn empty(kind: PyramidKind, size: [u32; 2], storage: &Storage, held: impl Fn(u8, u8) -> bool) -> Result<Self> {
         let wrong = |problem: String| refused(storage, problem);
         let surface = Surface::of_planes(kind, storage.layout, storage.format, size, held)
             .map_err(|error| wrong(error.to_string()))?;

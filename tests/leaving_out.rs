@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use texunit::{
     machine::{Machine, Texture},
     names::Named,
-    needs::{LeftOut, Needs, Plan, TileMemory},
+    needs::{Fit, ImageNeeds, LeftOut, Loss, Needs, PixelNeeds, Plan, PpmFile, TileMemory},
     pyramid::{Build, From, Kernel, PlaneImage},
     scene::{Pattern, Procedural, Scene},
     texture_file::TextureImage,
@@ -40,22 +40,24 @@ fn request() -> impl Strategy<Value = Request> {
 
 /// A whole scene is often magnified, or lies within the texture: one request alone must not decide.
 fn requests() -> impl Strategy<Value = Vec<Request>> {
-    (proptest::collection::vec(request(), 0..24), any::<[bool; 3]>()).prop_map(|(mut requests, [flat, inside, plain])| {
-        for request in &mut requests {
-            if flat {
-                request.scale = [(-300_i32) as u32, (-300_i32) as u32];
-                request.axes = [[I12F20::ZERO; 2]; 2];
+    (proptest::collection::vec(request(), 0..24), any::<[bool; 3]>()).prop_map(
+        |(mut requests, [flat, inside, plain])| {
+            for request in &mut requests {
+                if flat {
+                    request.scale = [(-300_i32) as u32, (-300_i32) as u32];
+                    request.axes = [[I12F20::ZERO; 2]; 2];
+                }
+                if inside {
+                    let within = |c: I12F20| I12F20::from_bits(0x7_0000 + (c.to_bits() & 0x1_FFFF));
+                    (request.u, request.v) = (within(request.u), within(request.v));
+                }
+                if plain {
+                    request.axes = [[I12F20::ZERO; 2]; 2];
+                }
             }
-            if inside {
-                let within = |c: I12F20| I12F20::from_bits(0x7_0000 + (c.to_bits() & 0x1_FFFF));
-                (request.u, request.v) = (within(request.u), within(request.v));
-            }
-            if plain {
-                request.axes = [[I12F20::ZERO; 2]; 2];
-            }
-        }
-        requests
-    })
+            requests
+        },
+    )
 }
 
 fn sampler() -> impl Strategy<Value = Sampler> {
@@ -96,21 +98,23 @@ enum Look {
 fn texture() -> impl Strategy<Value = TextureImage> {
     let looks = [Look::Any, Look::Opaque, Look::Grey, Look::OpaqueGrey, Look::FewColours];
     let side = || prop_oneof![(0..=5_u32).prop_map(|log2| 1 << log2), 1..=40_u32];
-    ([side(), side()], proptest::sample::select(looks.to_vec()), any::<u32>()).prop_map(|([width, height], look, seed)| {
-        let mut state = seed | 1;
-        let texels = (0..width * height).map(|_| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let [r, g, b, a] = (state ^ (state >> 15)).to_le_bytes();
-            match look {
-                Look::Any => [r, g, b, a],
-                Look::Opaque => [r, g, b, 255],
-                Look::Grey => [g, g, g, a],
-                Look::OpaqueGrey => [g, g, g, 255],
-                Look::FewColours => [b & 0xC0, 30, 90, 255],
-            }
-        });
-        TextureImage { top: PlaneImage::top(width, height, texels.collect()), own: None }
-    })
+    ([side(), side()], proptest::sample::select(looks.to_vec()), any::<u32>()).prop_map(
+        |([width, height], look, seed)| {
+            let mut state = seed | 1;
+            let texels = (0..width * height).map(|_| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let [r, g, b, a] = (state ^ (state >> 15)).to_le_bytes();
+                match look {
+                    Look::Any => [r, g, b, a],
+                    Look::Opaque => [r, g, b, 255],
+                    Look::Grey => [g, g, g, a],
+                    Look::OpaqueGrey => [g, g, g, 255],
+                    Look::FewColours => [b & 0xC0, 30, 90, 255],
+                }
+            });
+            TextureImage { top: PlaneImage::top(width, height, texels.collect()), own: None }
+        },
+    )
 }
 
 fn stored() -> impl Strategy<Value = Texture> {
@@ -127,12 +131,7 @@ fn stored() -> impl Strategy<Value = Texture> {
             layout,
             format,
             srgb,
-            pyramid: Build {
-                kernel,
-                width,
-                from: if above { From::Above } else { From::Top },
-                ..Build::default()
-            },
+            pyramid: Build { kernel, width, from: if above { From::Above } else { From::Top }, ..Build::default() },
             ..Texture::default()
         },
     )
@@ -277,7 +276,9 @@ fn a_texture_of_four_gigabytes_is_sampled_from_the_tiles_a_scene_reads() {
     assert!(tiles.source_texels < 1 << 20, "texels in memory at a time");
     let responses = tiles.run(&sampler, size, &requests).unwrap();
     // Magnified or a texel a pixel: bilinear in a checkerboard, computed here from the coordinate alone.
-    for (request, response) in requests.iter().zip(&responses).filter(|(request, _)| request.scale[0] == 1.0f32.to_bits()) {
+    for (request, response) in
+        requests.iter().zip(&responses).filter(|(request, _)| request.scale[0] == 1.0f32.to_bits())
+    {
         let position = [request.u, request.v].map(|c| i64::from(c.to_bits()) * 32768 - (1 << 19));
         let [(i, f), (j, g)] = position.map(|p| (p >> 20, (p >> 12) & 255));
         let white = |x: i64, y: i64| if (x / 100 + y / 100) % 2 == 0 { 255 } else { 0 };
@@ -286,4 +287,174 @@ fn a_texture_of_four_gigabytes_is_sampled_from_the_tiles_a_scene_reads() {
         let grey = (top * (256 - g) + bottom * g + (1 << 15)) >> 16;
         assert_eq!(i64::from(response.texel[0]), grey, "{request:?}");
     }
+}
+
+fn texunit(arguments: &[&str]) -> (i32, String) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_texunit")).args(arguments).output().unwrap();
+    (output.status.code().unwrap(), String::from_utf8(output.stdout).unwrap())
+}
+
+fn json(arguments: &[&str]) -> serde_json::Value {
+    let (status, text) = texunit(arguments);
+    assert_eq!(status, 0, "{arguments:?}");
+    serde_json::from_str(&text).unwrap()
+}
+
+#[test]
+fn the_scenes_show_each_kind_of_saving() {
+    let machine = Machine::default();
+    let pixels = |name| PixelNeeds::of(&Scene::builtin(name).unwrap(), &machine);
+    let magnified = pixels("magnified");
+    assert_eq!((magnified.magnified, magnified.minified[0]), (magnified.pixels, magnified.pixels));
+    let one_to_one = pixels("one-to-one");
+    assert_eq!(one_to_one.one_to_one, one_to_one.pixels);
+    assert_eq!(one_to_one.levels, [one_to_one.pixels], "no level above 0");
+    let one_axis = pixels("one-axis");
+    assert_eq!(one_axis.minified, [0, one_axis.pixels, 0, 0], "u only");
+    assert!(one_axis.magnified == 0 && one_axis.anisotropy.len() > 2);
+    let mixed = pixels("mixed");
+    assert!(8 * mixed.magnified > mixed.pixels && 8 * mixed.minified[3] > mixed.pixels, "{mixed:?}");
+    assert_eq!(mixed.levels.iter().sum::<u64>(), mixed.pixels);
+}
+
+#[test]
+fn what_is_known_of_a_pattern_is_what_its_texels_show() {
+    for (name, _) in Pattern::ALL {
+        let scene = format!("rectangle-{name}");
+        let texture = Scene::builtin(&scene).unwrap().texture;
+        assert_eq!(texture.image_needs(), ImageNeeds::of([&texture.texture_image().top]), "{name}");
+    }
+}
+
+#[test]
+fn a_texture_that_is_only_read_from_level_two_on_may_be_a_quarter_as_long() {
+    let requests: Vec<Request> = (0..64)
+        .map(|number| Request {
+            scale: [512 + 8 * number, 0],
+            ..Request::at(I12F20::from_bits(77_777 * number as i32), I12F20::ZERO)
+        })
+        .collect();
+    let sampler = Sampler { lod_source: LodSource::Explicit, ..Sampler::default() };
+    let needs = Needs::of(&requests, &sampler, [256, 128]).unwrap();
+    assert_eq!(needs.smallest_texture(), [64, 32]);
+    assert_eq!(needs.levels, Some([512, 512 + 8 * 63]));
+    assert_eq!(needs.lod_bits, [2, 5], "levels 2 and 3, in steps of 8/256");
+    // The level's fraction needs no more bits than that.
+    let texture = TextureImage {
+        top: PlaneImage::top(
+            256,
+            128,
+            (0..256 * 128_u32).map(|i| i.wrapping_mul(2_654_435_761).to_le_bytes()).collect(),
+        ),
+        own: None,
+    };
+    let memory = Texture::default().hold(sampler.filter.pyramid(), &texture).unwrap().memory;
+    let narrow = Sampler { lod_bits: 5, ..sampler };
+    assert_eq!(answers(&narrow, &memory, &requests), answers(&sampler, &memory, &requests));
+    let narrower = Sampler { lod_bits: 4, ..sampler };
+    assert_ne!(answers(&narrower, &memory, &requests), answers(&sampler, &memory, &requests));
+}
+
+#[test]
+fn a_proposal_costs_what_its_evidence_says() {
+    let machine = Machine::default();
+    let (scene, texture) = small("mixed", [96, 72]);
+    let loss = Loss { time: 0.03, rmse: 0.7 };
+    let fit = Fit::find(&scene, &machine, Filter::Trilinear, loss).unwrap();
+    let chosen = fit.candidates.iter().rfind(|candidate| candidate.chosen).unwrap();
+    assert!(fit.settings.len() >= 3 && chosen.cache_bytes < 16384, "{:?}", fit.settings);
+    let proposed = machine.with_settings(&fit.settings).unwrap();
+    let requests = texunit::needs::requests(&scene, &proposed, Filter::Trilinear);
+    let cost = |machine: &Machine| {
+        let sampler = machine.sampler(Filter::Trilinear, scene.texture.wrap, LodSource::Gradient);
+        LeftOut::measure(machine, &texture, &sampler, &requests).unwrap().with.cycles.unwrap()
+    };
+    assert_eq!((cost(&machine), cost(&proposed)), (fit.cycles, chosen.cycles));
+    assert!(chosen.cycles as f64 <= 1.03 * fit.cycles as f64 && chosen.rmse <= 0.7);
+    // Everything smaller that was tried lost too much.
+    for (number, candidate) in fit.candidates.iter().enumerate().skip(1) {
+        let too_much = candidate.cycles as f64 > 1.03 * fit.cycles as f64 || candidate.rmse > 0.7;
+        assert_eq!(candidate.chosen, !too_much, "{number}: {candidate:?}");
+    }
+    // No loss allowed: the picture stays the same.
+    let exact = Fit::find(&scene, &machine, Filter::Trilinear, Loss { time: 0.0, rmse: 0.0 }).unwrap();
+    assert!(exact.candidates.iter().filter(|candidate| candidate.chosen).all(|candidate| candidate.worst == 0));
+}
+
+#[test]
+fn tiles_of_a_file_are_those_of_its_image() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("texture.ppm");
+    let texels: Vec<[u8; 4]> =
+        (0..100 * 70_u32).map(|i| (i.wrapping_mul(2_654_435_761) | 255 << 24).to_le_bytes()).collect();
+    let mut bytes = b"P6 # a comment\n100 70\n255\n".to_vec();
+    bytes.extend(texels.iter().flat_map(|texel| &texel[..3]));
+    std::fs::write(&path, &bytes).unwrap();
+    let file = PpmFile::open(&path).unwrap();
+    let image = PlaneImage::top(100, 70, texels);
+    let (scene, _) = small("mixed", [64, 48]);
+    let machine = Machine::default();
+    let requests = texunit::needs::requests_of_size(&scene, &machine, Filter::Ripmap, [100, 70]);
+    let sampler = machine.sampler(Filter::Ripmap, scene.texture.wrap, LodSource::Gradient);
+    let needs = Needs::of(&requests, &sampler, [100, 70]).unwrap();
+    let run = |memory: TileMemory| memory.run(&sampler, [100, 70], &requests).unwrap();
+    let build = Build::default();
+    assert_eq!(
+        run(TileMemory::new(&needs, &build, &file).unwrap()),
+        run(TileMemory::new(&needs, &build, &image).unwrap())
+    );
+
+    std::fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+    let message = PpmFile::open(&path).unwrap_err().to_string();
+    assert!(message.contains("texture.ppm") && message.contains("fewer texels"), "{message}");
+    let above = Build { from: From::Above, ..build };
+    assert!(TileMemory::new(&needs, &above, &image).unwrap_err().to_string().contains("use top"));
+}
+
+#[test]
+fn the_command_line_says_what_is_needed_and_what_leaving_out_saves() {
+    let needs = json(&["needs", "one-to-one", "-f", "trilinear,sat", "--json"]);
+    let filter = &needs["scenes"][0]["filters"][0];
+    assert_eq!((filter["runs_as"].as_str(), filter["taps"].as_u64()), (Some("bilinear"), Some(2 * 256 * 256)));
+    assert_eq!(needs["scenes"][0]["filters"][1]["runs_as"], "point");
+    assert_eq!(needs["scenes"][0]["channels"]["count"], 3);
+
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let run = json(&[
+        "run",
+        "one-to-one",
+        "mixed",
+        "-f",
+        "trilinear,dipmap",
+        "--size",
+        "80x60",
+        "--leave-out",
+        "--json",
+        "-o",
+        out,
+    ]);
+    for scene in run["scenes"].as_array().unwrap() {
+        for filter in scene["filters"].as_array().unwrap() {
+            assert_eq!(filter["left_out"]["differing_pixels"], 0);
+            let number = |name: &str| filter["metrics"][name]["value"].as_f64().unwrap();
+            assert_eq!(number("cycles_per_pixel"), number("cycles_per_pixel_whole"));
+            assert!(number("cycles_per_pixel_needed") <= number("cycles_per_pixel_whole"));
+            assert!(number("memory_bytes_needed") <= number("pyramid_bytes"));
+        }
+    }
+    let page = folder.path().join("page.html");
+    assert_eq!(texunit(&["report", out, "-o", page.to_str().unwrap()]).0, 0);
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(
+        page.contains("what it costs without what this scene does not need")
+            && page.contains("differ between the two: 0")
+    );
+
+    let picture = folder.path().join("tiles.png");
+    let arguments =
+        ["needs", "one-to-one", "-f", "bilinear", "--texture-size", "32768x32768", "--size", "64x64", "--tiles"];
+    let (status, text) = texunit(&[&arguments[..], &[picture.to_str().unwrap()]].concat());
+    assert!(status == 0 && text.contains("all planes would take 5461.3 MiB"), "{text}");
+    assert_eq!(image::open(picture).unwrap().to_rgba8().dimensions(), (64, 64));
 }

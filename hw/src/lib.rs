@@ -15,12 +15,12 @@ pub mod request;
 pub mod sampler;
 
 pub mod coordinate;
+mod empty_taps;
 pub mod lod;
 mod log2_table;
 mod probe_tables;
 mod probes;
 pub mod sat;
-mod empty_taps;
 pub mod taps;
 
 pub mod address;
@@ -35,8 +35,8 @@ pub mod cache;
 pub mod sweep;
 
 pub mod datapath;
-mod one_channel;
 pub mod memory;
+mod one_channel;
 
 pub mod decompression;
 

@@ -21,12 +21,7 @@ pub(crate) fn suffices(sampler: &Sampler, surface: &Surface) -> bool {
 }
 
 /// Filters a batch; `widths` are the bits of a bilinear fraction and of a weight.
-pub(crate) fn answer(
-    bytes: &[u8],
-    [filter_bits, weight_bits]: [u32; 2],
-    batch: Batch<'_>,
-    responses: &mut [Response],
-) {
+pub(crate) fn answer(bytes: &[u8], [filter_bits, weight_bits]: [u32; 2], batch: Batch<'_>, responses: &mut [Response]) {
     let point = batch.texels_per_tap == 1;
     let (one, shift) = if point { (1, weight_bits) } else { (1u64 << filter_bits, 2 * filter_bits + weight_bits) };
     let half = (1u64 << shift) >> 1;

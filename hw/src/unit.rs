@@ -9,8 +9,9 @@ use core::mem::take;
 use crate::{
     address::{Footprint, is_outside},
     datapath::{TexelSource, filter, filter_packed},
-    empty_taps, one_channel,
+    empty_taps,
     memory::with_source,
+    one_channel,
     request::{Request, Response},
     sampler::{Filter, Rounding, Sampler, SamplerError},
     sat,
@@ -296,7 +297,7 @@ impl<'m> Unit<'m> {
             let each = if P::ALWAYS { Some(P::MOST_TAPS) } else { None };
             end = empty_taps::leave_out(&mut self.footprints, &mut self.ends[..requests.len()], each);
         }
-        let divided = if P::ALWAYS && !self.sampler.skip_empty_taps { 
+        let divided = if P::ALWAYS && !self.sampler.skip_empty_taps {
             Requests::Each(P::MOST_TAPS)
         } else {
             Requests::Ends(&self.ends[..requests.len()])

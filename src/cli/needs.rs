@@ -92,7 +92,12 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     }
     if let Some(path) = &args.tiles {
         let ([scene], [filter]) = (scenes.as_slice(), filters.as_slice()) else {
-            return Err(Error::setting("--tiles", path.display(), "one picture at a time", "name one scene and one filter"));
+            return Err(Error::setting(
+                "--tiles",
+                path.display(),
+                "one picture at a time",
+                "name one scene and one filter",
+            ));
         };
         return tiles(args, &machine, scene, *filter);
     }
@@ -196,7 +201,11 @@ fn tiles_of(
             mebibytes(memory.bytes()),
             mebibytes(whole)
         )?;
-        writeln!(out, "{:.2} MiB of texels and sums at most while tiles were made", mebibytes(36 * memory.source_texels))
+        writeln!(
+            out,
+            "{:.2} MiB of texels and sums at most while tiles were made",
+            mebibytes(36 * memory.source_texels)
+        )
     })?;
     Ok(ExitCode::SUCCESS)
 }

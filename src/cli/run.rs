@@ -111,7 +111,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         }
         written.report(&stage, &outcomes, &floats)?;
         mismatches += outcomes.iter().map(|outcome| outcome.mismatches).sum::<u64>();
-        mismatches += outcomes.iter().flat_map(|outcome| &outcome.left_out).map(|left_out| left_out.differing).sum::<u64>();
+        mismatches +=
+            outcomes.iter().flat_map(|outcome| &outcome.left_out).map(|left_out| left_out.differing).sum::<u64>();
         if !args.json {
             progress.suspend(|| print(|out| print_scene(out, &stage, &outcomes, &floats)))?;
         }

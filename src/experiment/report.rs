@@ -7,7 +7,12 @@ use serde_json::{Value, json};
 use texunit_hw::cache::Counters;
 
 use super::{Deviation, FloatOutcome, Outcome, Stage};
-use crate::{machine::Machine, names::Named, needs::{self, LeftOut}, timed_run::Timed};
+use crate::{
+    machine::Machine,
+    names::Named,
+    needs::{self, LeftOut},
+    timed_run::Timed,
+};
 
 /// Version of the shape of report.json; it grows when a field changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;

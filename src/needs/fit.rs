@@ -86,8 +86,9 @@ impl Bench<'_> {
     }
 
     fn answers(&self, sampler: &Sampler) -> Result<Vec<Response>> {
-        let mut unit = Unit::new(sampler, &self.memory.surface, &self.memory.bytes)
-            .map_err(|error| Error::setting("machine", "the scene's sampler", error.to_string(), "change the machine"))?;
+        let mut unit = Unit::new(sampler, &self.memory.surface, &self.memory.bytes).map_err(|error| {
+            Error::setting("machine", "the scene's sampler", error.to_string(), "change the machine")
+        })?;
         let mut responses = vec![Response::default(); self.requests.len()];
         unit.run(&self.requests, &mut responses, &mut ());
         Ok(responses)
@@ -138,8 +139,7 @@ impl Fit {
         let needs = Needs::of(&requests, &sampler, scene.texture.size())?;
         let plan = Plan::new(&needs, &sampler);
         let memory = plan.hold(&machine.texture, &texture)?;
-        let mut bench =
-            Bench { scene, memory, requests, needs, filter, expected: Vec::new(), bound: u64::MAX, loss };
+        let mut bench = Bench { scene, memory, requests, needs, filter, expected: Vec::new(), bound: u64::MAX, loss };
         bench.expected = bench.answers(&plan.sampler)?;
         let mut first = bench.measure(machine, "as it is", machine.name.clone())?;
         first.chosen = true;
@@ -183,7 +183,8 @@ impl Fit {
         let policy = machine.cache.policy().map_err(wrong)?;
         let mut caches = Caches::new(&geometries, policy).map_err(|error| wrong(error.to_string()))?;
         let sampler = bench.sampler(machine);
-        let mut unit = Unit::without_memory(&sampler, &bench.memory.surface).map_err(|error| wrong(error.to_string()))?;
+        let mut unit =
+            Unit::without_memory(&sampler, &bench.memory.surface).map_err(|error| wrong(error.to_string()))?;
         unit.addresses(&bench.requests, &mut caches);
         let (_, mut counted) = caches.finish();
         counted.sort_by_key(|(geometry, misses)| (geometry.size_bytes(), *misses, geometry.ways));

@@ -64,12 +64,7 @@ impl LeftOut {
     ///
     /// # Errors
     /// A machine or texture that cannot be built.
-    pub fn measure(
-        machine: &Machine,
-        texture: &TextureImage,
-        sampler: &Sampler,
-        requests: &[Request],
-    ) -> Result<Self> {
+    pub fn measure(machine: &Machine, texture: &TextureImage, sampler: &Sampler, requests: &[Request]) -> Result<Self> {
         let begin = Instant::now();
         let whole = Self::hold_whole(machine, texture, sampler)?;
         let (mut without, expected) = run(machine, sampler, &whole, requests)?;

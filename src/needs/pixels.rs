@@ -41,7 +41,9 @@ impl PixelNeeds {
     pub fn of(scene: &Scene, machine: &Machine) -> Self {
         let mut needs = Self::default();
         let footprints = FrontEnd::new(machine, Filter::Feline, scene.texture.wrap, scene.texture.size());
-        scene.for_each_block(|fragments| fragments.iter().for_each(|fragment| needs.see(fragment, machine, &footprints)));
+        scene.for_each_block(|fragments| {
+            fragments.iter().for_each(|fragment| needs.see(fragment, machine, &footprints))
+        });
         needs
     }
 

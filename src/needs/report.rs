@@ -68,8 +68,17 @@ fn address_logic(needs: &Needs, sampler: &Sampler) -> [&'static str; 2] {
 #[must_use]
 pub fn needs_table(rows: &[(Needs, Sampler)]) -> Table {
     let mut table = table(&[
-        "filter", "runs as", "taps\nneeded %", "planes", "levels", "tiles\n%", "smallest\ntexture", "address\nlogic u, v",
-        "u bits", "v bits", "LOD bits",
+        "filter",
+        "runs as",
+        "taps\nneeded %",
+        "planes",
+        "levels",
+        "tiles\n%",
+        "smallest\ntexture",
+        "address\nlogic u, v",
+        "u bits",
+        "v bits",
+        "LOD bits",
     ]);
     for (needs, sampler) in rows {
         let plan = Plan::new(needs, sampler);
@@ -158,14 +167,25 @@ pub fn left_out_json(left_out: &LeftOut) -> Value {
 #[must_use]
 pub fn left_out_table(rows: &[&LeftOut]) -> Table {
     let mut table = table(&[
-        "filter", "runs as", "planes", "chan-\nnels", "memory\nKiB", "B/pixel\nuncached", "B/pixel\ncached", "cycles\n/pixel",
-        "prepared\nms", "host\nns/pixel", "needs\nns/pixel", "pixels\ndiffer",
+        "filter",
+        "runs as",
+        "planes",
+        "chan-\nnels",
+        "memory\nKiB",
+        "B/pixel\nuncached",
+        "B/pixel\ncached",
+        "cycles\n/pixel",
+        "prepared\nms",
+        "host\nns/pixel",
+        "needs\nns/pixel",
+        "pixels\ndiffer",
     ]);
     for left_out in rows {
         let LeftOut { needs, plan, channels, needs_seconds, without, with, differing } = left_out;
         let per_pixel = |value: f64| value / needs.requests.max(1) as f64;
         let change = |digits: usize, of: &dyn Fn(&super::Cost) -> Option<f64>| {
-            let [whole, needed] = [without, with].map(|cost| of(cost).map_or_else(|| "-".into(), |n| format!("{n:.digits$}")));
+            let [whole, needed] =
+                [without, with].map(|cost| of(cost).map_or_else(|| "-".into(), |n| format!("{n:.digits$}")));
             if whole == needed { whole } else { format!("{needed} of {whole}") }
         };
         table.add_row([
@@ -189,8 +209,17 @@ pub fn left_out_table(rows: &[&LeftOut]) -> Table {
 /// Candidates in the order they were tried.
 #[must_use]
 pub fn fit_table(fit: &Fit) -> Table {
-    let mut table =
-        table(&["setting", "value", "cache\nbytes", "misses", "cycles\n/pixel", "time\n%", "error\nRMSE LSB", "worst\nLSB", ""]);
+    let mut table = table(&[
+        "setting",
+        "value",
+        "cache\nbytes",
+        "misses",
+        "cycles\n/pixel",
+        "time\n%",
+        "error\nRMSE LSB",
+        "worst\nLSB",
+        "",
+    ]);
     for candidate in &fit.candidates {
         let time = candidate.cycles as f64 / fit.cycles.max(1) as f64 * 100.0;
         table.add_row([
@@ -202,7 +231,14 @@ pub fn fit_table(fit: &Fit) -> Table {
             format!("{time:.1}"),
             format!("{:.3}", candidate.rmse),
             candidate.worst.to_string(),
-            if candidate.chosen { "chosen" } else if candidate.within { "" } else { "too much" }.to_owned(),
+            if candidate.chosen {
+                "chosen"
+            } else if candidate.within {
+                ""
+            } else {
+                "too much"
+            }
+            .to_owned(),
         ]);
     }
     table

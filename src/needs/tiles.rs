@@ -105,7 +105,12 @@ impl LazyTexture for Procedural {
     fn row(&self, y: u32, columns: Range<u32>, texels: &mut [Texel]) -> Result<()> {
         if self.pattern == Pattern::Natural {
             let problem = "hairs run through the whole image: its texels cannot be had one by one";
-            return Err(Error::setting("texture.pattern", "natural", problem, "use checkerboard or pane, or a PPM file"));
+            return Err(Error::setting(
+                "texture.pattern",
+                "natural",
+                problem,
+                "use checkerboard or pane, or a PPM file",
+            ));
         }
         for (x, texel) in columns.zip(texels) {
             *texel = self.texel(x, y);
@@ -290,7 +295,8 @@ impl TileMemory {
         if sampler.filter == Filter::Sat {
             return Err(cannot("a summed-area table is not made of tiles".into()));
         }
-        let map = Surface::map(sampler.filter.pyramid(), size[0], size[1]).map_err(|error| cannot(error.to_string()))?;
+        let map =
+            Surface::map(sampler.filter.pyramid(), size[0], size[1]).map_err(|error| cannot(error.to_string()))?;
         let sampler = Sampler { skip_empty_taps: true, ..*sampler };
         let mut unit = Unit::without_memory(&sampler, &map).map_err(|error| cannot(error.to_string()))?;
         let mut responses = vec![Response::default(); requests.len()];
@@ -316,7 +322,8 @@ fn make_tile(
     tile: [u32; 2],
 ) -> Result<([Texel; (TILE * TILE) as usize], u64)> {
     let mut made = [[0; 4]; (TILE * TILE) as usize];
-    let span = |axis: &AxisTaps, tile: u32| tile as usize * TILE as usize..axis.len().min((tile + 1) as usize * TILE as usize);
+    let span =
+        |axis: &AxisTaps, tile: u32| tile as usize * TILE as usize..axis.len().min((tile + 1) as usize * TILE as usize);
     let (across, down) = (span(u, tile[0]), span(v, tile[1]));
     // The columns read: taps rise, but at an edge that wraps they may come from both ends.
     let columns = across.clone().flat_map(|i| u.of(i)).map(|tap| tap.texel);
