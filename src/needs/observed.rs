@@ -2,7 +2,7 @@
 
 use texunit_hw::{
     AddressMode, Filter, Footprint, PyramidKind, Request, Sampler, Surface, Unit, address::is_outside,
-    coordinate::COORDINATE_BITS, surface::place_on_map,
+    coordinate::COORDINATE_BITS, surface::place_on_map, taps::most_taps,
 };
 
 use super::tiles::TileSet;
@@ -140,12 +140,17 @@ impl Needs {
             })
             .collect();
         let (mut taps, mut needed_taps) = (0, 0);
+        let (most, always) = most_taps(filter);
         let (mut alike, mut levels, mut level_bits) = (true, None, 0);
         let mut base_taps: Vec<Footprint> = Vec::new();
         for requests in requests.chunks(1 << 10) {
             base_taps.clear();
             simple_unit.inspect(requests, &mut |batch, _| base_taps.extend(batch.taps));
-            whole_unit.inspect(requests, &mut |batch, _| taps += batch.taps.len() as u64);
+            if always {
+                taps += (most * requests.len()) as u64;
+            } else {
+                whole_unit.inspect(requests, &mut |batch, _| taps += batch.taps.len() as u64);
+            }
             let mut base = base_taps.iter();
             unit.inspect(requests, &mut |batch, lods| {
                 needed_taps += batch.taps.len() as u64;

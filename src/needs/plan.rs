@@ -33,7 +33,9 @@ impl Plan {
         }
         let read = needs.planes.iter().filter(|plane| plane.taps > 0).map(|plane| plane.halvings);
         let planes = if needs.stands_for.is_some() { vec![(0, 0)] } else { read.collect() };
-        Self { sampler: Sampler { filter, address, skip_empty_taps: true, ..*sampler }, planes }
+        // Looking for taps that are not there takes time of this host.
+        let skip_empty_taps = needs.stands_for.is_none() && needs.needed_taps < needs.taps;
+        Self { sampler: Sampler { filter, address, skip_empty_taps, ..*sampler }, planes }
     }
 
     /// Makes and stores what is needed: planes, and one channel where the machine stores RGBA8 and all texels are opaque greys.

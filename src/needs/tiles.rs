@@ -262,12 +262,15 @@ impl TileMemory {
             }
             planes.push((columns, places));
         }
-        let made: Vec<_> =
-            jobs.par_iter().map(|(axes, tile)| make_tile(build, texture, axes, *tile)).collect::<Result<_>>()?;
+        let mut tiles = vec![[[0; 4]; (TILE * TILE) as usize]; jobs.len()];
+        let longest = tiles
+            .par_iter_mut()
+            .zip(&jobs)
+            .map(|(made, (axes, tile))| make_tile(build, texture, axes, *tile, made))
+            .try_reduce(|| 0, |one, other| Ok(one.max(other)))?;
         // A row of texels and a row of sums for each thread at work.
-        let longest = made.iter().map(|(_, columns)| *columns).max().unwrap_or(0);
         let source_texels = longest * rayon::current_num_threads() as u64;
-        Ok(Self { planes, tiles: made.into_iter().map(|(tile, _)| tile).collect(), source_texels })
+        Ok(Self { planes, tiles, source_texels })
     }
 
     /// Bytes of the tiles held and of the tables that find them.
@@ -314,14 +317,14 @@ impl TexelSource for TileMemory {
     }
 }
 
-/// One tile, and the columns of the texture it came from.
+/// Fills one tile; says how many columns of the texture it came from.
 fn make_tile(
     build: &Build,
     texture: &impl LazyTexture,
     [u, v]: &[AxisTaps; 2],
     tile: [u32; 2],
-) -> Result<([Texel; (TILE * TILE) as usize], u64)> {
-    let mut made = [[0; 4]; (TILE * TILE) as usize];
+    made: &mut [Texel; (TILE * TILE) as usize],
+) -> Result<u64> {
     let span =
         |axis: &AxisTaps, tile: u32| tile as usize * TILE as usize..axis.len().min((tile + 1) as usize * TILE as usize);
     let (across, down) = (span(u, tile[0]), span(v, tile[1]));
@@ -350,5 +353,5 @@ fn make_tile(
             *texel = [red.min(alpha), green.min(alpha), blue.min(alpha), alpha];
         }
     }
-    Ok((made, row.len() as u64))
+    Ok(row.len() as u64)
 }
