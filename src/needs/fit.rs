@@ -159,7 +159,7 @@ impl Fit {
             let value = format!("{depth} taps");
             (value, vec![format!("timing.fragment-fifo={depth}")])
         };
-        let deepest = best.timing.fragment_fifo as u32;
+        let deepest = best.timing.fragment_fifo;
         let depths: Vec<_> = (2..).map(|log2| 1 << log2).take_while(|depth| *depth < deepest).map(fifo).collect();
         best = fit.first_within(&bench, &best, "fragment FIFO", &depths)?;
         for (name, key, lowest, bits) in
