@@ -96,9 +96,10 @@ impl EnergyTable {
         }
     }
 
-    /// The energy of a run. `word` bytes a word of the data banks, `line` bytes a line, `texels` a tap (1 or 4).
+    /// The energy of a run. `word` bytes a word of the data banks, `line` bytes a line, `texels` a tap (1 or 4), of which so many
+    /// `channels` are filtered.
     #[must_use]
-    pub fn of(&self, counters: &TimingCounters, word: u32, line: u32, texels: u32) -> Energy {
+    pub fn of(&self, counters: &TimingCounters, [word, line]: [u32; 2], texels: u32, channels: u8) -> Energy {
         let many = |count: u64| count as f64;
         let lerps = if texels == 1 { 0.0 } else { 3.0 };
         let channel = lerps * (2.0 * self.multiply + self.add) + self.multiply + self.add;
@@ -109,7 +110,7 @@ impl EnergyTable {
             second_level: many(counters.second_level_lookups * u64::from(line)) * self.second_level_byte,
             memory: many(counters.memory_bytes) * self.memory_byte
                 + many(counters.row_misses + counters.row_conflicts) * self.row_activation,
-            datapath: many(counters.taps) * 4.0 * channel,
+            datapath: many(counters.taps) * f64::from(channels) * channel,
         }
     }
 }

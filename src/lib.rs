@@ -16,6 +16,7 @@ pub mod front_end;
 pub mod lod_rules;
 pub mod machine;
 pub mod names;
+pub mod needs;
 pub mod output;
 pub mod pareto;
 pub mod peers;

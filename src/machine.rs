@@ -353,6 +353,7 @@ impl Machine {
             bias: to_level(self.lod.bias) as i16,
             min_lod: to_level(self.lod.min),
             max_lod: to_level(self.lod.max),
+            skip_empty_taps: false,
         }
     }
 }

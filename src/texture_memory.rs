@@ -9,6 +9,7 @@ use texunit_hw::{
     decompression::{decompress, fill_bytes},
     memory::store_plane,
     sat::store_table,
+    surface::planes_of,
 };
 
 use crate::{
@@ -54,6 +55,9 @@ pub struct TextureMemory {
     pub bytes: Vec<u8>,
     /// Where everything lies in memory, where a decompressor stands between it and the cache.
     pub compressed: Option<Surface>,
+    /// Channels that have to be filtered: 4, 3 where alpha is opaque everywhere, 1 where all texels are grey as well. Less than 4
+    /// only where it was looked for ([`crate::needs::Plan::hold`]).
+    pub channels: u8,
 }
 
 /// A texture held in memory: what the chip reads, and what the reference is to read.
@@ -71,49 +75,58 @@ impl TextureMemory {
     /// # Errors
     /// A layout the planes do not fit, or more memory than there is.
     pub fn new(stored: &Stored, storage: &Storage) -> Result<Self> {
-        let planes = stored.planes.iter().map(|plane| plane.elements.as_slice());
-        let mut memory = Self::lay_out(stored.kind, [stored.width, stored.height], storage, planes)?;
+        let planes: Vec<&[u8]> = stored.planes.iter().map(|plane| plane.elements.as_slice()).collect();
+        let mut memory = Self::lay_out(stored.kind, [stored.width, stored.height], storage, &planes)?;
         memory.surface.palette.clone_from(&stored.palette);
         if storage.decompress == Decompress::BeforeCache && stored.format != Format::Rgba8 {
             let (surface, bytes) =
                 decompress(&memory.surface, &memory.bytes).map_err(|error| refused(storage, error.to_string()))?;
-            memory = Self { surface, bytes, compressed: Some(memory.surface) };
+            memory = Self { surface, bytes, compressed: Some(memory.surface), ..memory };
         }
         Ok(memory)
     }
 
-    fn lay_out<'p>(
+    /// Elements at their places; planes without any take no memory.
+    pub(crate) fn lay_out(
         kind: PyramidKind,
         [width, height]: [u32; 2],
         storage: &Storage,
-        planes: impl Iterator<Item = &'p [u8]>,
+        planes: &[&[u8]],
     ) -> Result<Self> {
-        let mut memory = Self::empty(kind, [width, height], storage)?;
+        let halvings = planes_of(kind, width, height);
+        let held = |lu, lv| halvings.iter().zip(planes).any(|(plane, held)| *plane == (lu, lv) && !held.is_empty());
+        let mut memory = Self::empty(kind, [width, height], storage, held)?;
         memory.surface.srgb = storage.srgb;
-        for (number, elements) in planes.enumerate() {
+        for (number, elements) in planes.iter().enumerate().filter(|(_, elements)| !elements.is_empty()) {
             store_plane(&memory.surface, number, elements, &mut memory.bytes)
                 .map_err(|error| refused(storage, error.to_string()))?;
         }
         Ok(memory)
     }
 
+    /// RGBA8 texels laid out as they are.
+    fn of_texels(pyramid: &Pyramid, storage: &Storage) -> Result<Self> {
+        let planes: Vec<&[u8]> = pyramid.planes.iter().map(|plane| plane.texels.as_flattened()).collect();
+        Self::lay_out(pyramid.kind, [pyramid.width, pyramid.height], storage, &planes)
+    }
+
     /// The summed-area table of a pyramid's level 0, whose texels are as the filter sees them.
     fn sums(pyramid: &Pyramid, storage: &Storage) -> Result<Self> {
-        let mut memory = Self::empty(PyramidKind::Sat, [pyramid.width, pyramid.height], storage)?;
+        let mut memory = Self::empty(PyramidKind::Sat, [pyramid.width, pyramid.height], storage, |_, _| true)?;
         store_table(&memory.surface, &pyramid.planes[0].texels, &mut memory.bytes);
         Ok(memory)
     }
 
-    fn empty(kind: PyramidKind, [width, height]: [u32; 2], storage: &Storage) -> Result<Self> {
+    fn empty(kind: PyramidKind, size: [u32; 2], storage: &Storage, held: impl Fn(u8, u8) -> bool) -> Result<Self> {
         let wrong = |problem: String| refused(storage, problem);
-        let surface = Surface::new(kind, storage.layout, storage.format, width, height)
+        let surface = Surface::of_planes(kind, storage.layout, storage.format, size, held)
             .map_err(|error| wrong(error.to_string()))?;
         let mut bytes = Vec::new();
         usize::try_from(surface.bytes)
             .ok()
             .and_then(|size| bytes.try_reserve_exact(size).ok().map(|()| bytes.resize(size, 0)))
             .ok_or_else(|| wrong(format!("{} bytes of texture memory cannot be had", surface.bytes)))?;
-        Ok(Self { surface, bytes, compressed: None })
+        Ok(Self { surface, bytes, compressed: None, channels: 4 })
     }
 
     /// Whether a decompressor stands between memory and cache.
@@ -173,6 +186,40 @@ impl Texture {
         Ok(pyramid)
     }
 
+    /// The planes of a texture of which `needed(lu, lv)` is true; the others have no texels. Only what is needed is computed.
+    ///
+    /// # Errors
+    /// A kernel that cannot be built for this texture.
+    pub fn needed_planes(
+        &self,
+        kind: PyramidKind,
+        texture: &TextureImage,
+        needed: impl Fn(u8, u8) -> bool,
+    ) -> Result<Pyramid> {
+        let own = texture.own.as_deref().filter(|_| kind == PyramidKind::Mipmap);
+        let brought = |lu, lv| own.and_then(|own| Some((own, own.plane(lu, lv)?)));
+        let mut pyramid =
+            self.pyramid.needed_planes(kind, &texture.top, |lu, lv| needed(lu, lv) && brought(lu, lv).is_none())?;
+        for plane in &mut pyramid.planes {
+            if let Some((own, stored)) = brought(plane.lu, plane.lv).filter(|_| needed(plane.lu, plane.lv)) {
+                *plane = own.decode_plane(stored);
+            }
+        }
+        Ok(pyramid)
+    }
+
+    /// The memory of such planes as this machine keeps them.
+    ///
+    /// # Errors
+    /// A layout the planes do not fit.
+    pub fn hold_planes(&self, pyramid: &Pyramid, texture: &TextureImage) -> Result<TextureMemory> {
+        let storage = self.storage();
+        if storage.format == Format::Rgba8 && !storage.srgb {
+            return TextureMemory::of_texels(pyramid, &storage);
+        }
+        TextureMemory::new(&self.encode(pyramid, texture), &storage)
+    }
+
     /// A texture in memory as this machine keeps it. Planes that its file brought in the machine's format are taken as they are, all
     /// others are encoded.
     ///
@@ -186,21 +233,24 @@ impl Texture {
                 let memory = TextureMemory::sums(&pyramid, &storage)?;
                 return Ok(Held { pyramid, memory });
             }
-            let planes = pyramid.planes.iter().map(|plane| plane.texels.as_flattened());
-            let memory = TextureMemory::lay_out(kind, [pyramid.width, pyramid.height], &storage, planes)?;
+            let memory = TextureMemory::of_texels(&pyramid, &storage)?;
             return Ok(Held { pyramid, memory });
         }
+        Held::new(&self.encode(&pyramid, texture), &storage)
+    }
+
+    /// Planes in this machine's format; those that the file brought in it are taken as they are.
+    fn encode(&self, pyramid: &Pyramid, texture: &TextureImage) -> Stored {
         let given = texture.own.as_deref().map(|own| {
             // Level 0 belongs to every pyramid, the others to the mipmap.
-            let levels = if kind == PyramidKind::Mipmap { own.planes.len() } else { 1 };
+            let levels = if pyramid.kind == PyramidKind::Mipmap { own.planes.len() } else { 1 };
             if levels == own.planes.len() {
                 Cow::Borrowed(own)
             } else {
                 Cow::Owned(Stored { planes: own.planes[..levels].to_vec(), ..own.clone() })
             }
         });
-        let stored = Stored::encode_beside(&pyramid, storage.format, given.as_deref());
-        Held::new(&stored, &storage)
+        Stored::encode_beside(pyramid, self.format, given.as_deref())
     }
 }
 

@@ -176,7 +176,7 @@ pub fn time_requests<O: TimingObserver>(
         histograms: *timing.histograms(),
         epochs,
         bytes_requested: timing.cache().counters().bytes_requested,
-        energy: machine.energy.of(&counters, word, machine.cache.line, texels),
+        energy: machine.energy.of(&counters, [word, machine.cache.line], texels, memory.channels),
     };
     Ok((timed, timing.into_observer()))
 }

@@ -6,7 +6,7 @@
 //! There is no float arithmetic here, no input or output, and no clock but its own: floats enter as the bits of their
 //! `u32` or `u64`.
 #![no_std]
-// One module of one file may hold unsafe code: `lanes::room` (docs/decisions/0004-one-room-for-unsafe.md).
+// One module of one file may hold unsafe code: `lanes::room` (docs/decisions/0005-one-room-for-unsafe.md).
 #![deny(unsafe_code)]
 #![deny(clippy::float_arithmetic, clippy::float_cmp)]
 
@@ -16,6 +16,7 @@ pub mod request;
 pub mod sampler;
 
 pub mod coordinate;
+mod empty_taps;
 pub mod lod;
 mod log2_table;
 mod probe_tables;
@@ -36,6 +37,7 @@ pub mod sweep;
 
 pub mod datapath;
 pub mod memory;
+mod one_channel;
 
 mod lanes;
 

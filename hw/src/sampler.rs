@@ -156,6 +156,9 @@ pub struct Sampler {
     pub min_lod: i32,
     /// Largest level, 8.8.
     pub max_lod: i32,
+    /// Whether taps of weight zero are left out, and taps of one request that read the same texels are made one: the same answers
+    /// from fewer reads (docs/numerics.md, section 5).
+    pub skip_empty_taps: bool,
 }
 
 impl Default for Sampler {
@@ -174,6 +177,7 @@ impl Default for Sampler {
             bias: 0,
             min_lod: 0,
             max_lod: 32 << 8,
+            skip_empty_taps: false,
         }
     }
 }

@@ -53,6 +53,8 @@ pub struct Plane {
     format: Format,
     /// Bytes of an element as this layout stores it.
     element_bytes: u32,
+    /// Whether it has memory. One that has none must not be read.
+    pub held: bool,
     /// Byte distance of the second and third read of a texel, for a layout that keeps channels apart.
     pub(crate) channels: [u64; 2],
 }
@@ -167,6 +169,23 @@ impl core::fmt::Display for SurfaceError {
 
 impl core::error::Error for SurfaceError {}
 
+/// Bits of x in an address of [`Surface::map`].
+const MAP_BITS: u32 = LARGEST_SIDE.trailing_zeros();
+
+/// Column and row of an address of [`Surface::map`].
+///
+/// ```
+/// use texunit_hw::{PyramidKind, Surface, surface::place_on_map};
+/// let map = Surface::map(PyramidKind::Mipmap, 8, 8)?;
+/// assert_eq!(place_on_map(map.planes[1].address(2, 3)), [2, 3]);
+/// # Ok::<(), texunit_hw::SurfaceError>(())
+/// ```
+#[inline]
+#[must_use]
+pub const fn place_on_map(address: u64) -> [u32; 2] {
+    [(address & (LARGEST_SIDE as u64 - 1)) as u32, (address >> MAP_BITS) as u32]
+}
+
 /// Planes start at multiples of this, so that none shares a line of a usual cache with its neighbour.
 pub const PLANE_ALIGNMENT: u64 = 256;
 
@@ -189,6 +208,21 @@ impl Surface {
         format: Format,
         width: u32,
         height: u32,
+    ) -> Result<Self, SurfaceError> {
+        Self::of_planes(kind, layout, format, [width, height], |_, _| true)
+    }
+
+    /// The same with memory only for the planes of which `held(lu, lv)` is true. [`Layout::Williams`] has its planes in one square
+    /// and holds them all.
+    ///
+    /// # Errors
+    /// A size or a combination there is no layout for.
+    pub fn of_planes(
+        kind: PyramidKind,
+        layout: Layout,
+        format: Format,
+        [width, height]: [u32; 2],
+        held: impl Fn(u8, u8) -> bool,
     ) -> Result<Self, SurfaceError> {
         let sides = 1..=LARGEST_SIDE;
         if !sides.contains(&width) || !sides.contains(&height) {
@@ -219,14 +253,33 @@ impl Surface {
                     arrangement,
                     format,
                     element_bytes,
+                    held: held(lu, lv),
                     channels: [0; 2],
                 };
-                base = (base + arrangement.elements * element).next_multiple_of(PLANE_ALIGNMENT);
+                if plane.held {
+                    base = (base + arrangement.elements * element).next_multiple_of(PLANE_ALIGNMENT);
+                }
                 plane
             })
             .collect();
         let last_levels = last_levels(width, height);
         Ok(Self { kind, layout, format, palette: None, srgb: false, planes, bytes: base, last_levels })
+    }
+
+    /// A map: no memory, but the same planes with every texel at the "address" `y << 20 | x` of its own plane, so that an analysis
+    /// finds places where a cache finds bytes ([`place_on_map`]).
+    ///
+    /// # Errors
+    /// A size there is no texture of.
+    pub fn map(kind: PyramidKind, width: u32, height: u32) -> Result<Self, SurfaceError> {
+        let mut map = Self::new(kind, Layout::RowMajor, Format::A8, width, height)?;
+        for plane in &mut map.planes {
+            plane.base = 0;
+            plane.arrangement = Arrangement::rows(1 << MAP_BITS, plane.height);
+            (plane.element_bytes, plane.held) = (1, false);
+        }
+        map.bytes = 0;
+        Ok(map)
     }
 
     /// Williams 1983, figure 1: a square of one byte an element, twice the texture's side. Level l of side s has red at (s, 0), green at
@@ -254,6 +307,7 @@ impl Surface {
                     arrangement: Arrangement::rows(pitch, side),
                     format,
                     element_bytes: 1,
+                    held: true,
                     channels: [green - red, green],
                 }
             })

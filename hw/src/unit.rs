@@ -4,17 +4,20 @@
 //! own over the batch, so a run pays only for the stages it asks for.
 
 use alloc::{vec, vec::Vec};
+use core::mem::take;
 
 use crate::{
     address::{Footprint, is_outside},
     datapath::{TexelSource, filter, filter_packed},
+    empty_taps,
     lanes::Lanes,
     memory::with_source,
+    one_channel,
     request::{Request, Response},
     sampler::{Filter, Rounding, Sampler, SamplerError},
-    sat::{self, Sat},
+    sat,
     surface::Surface,
-    taps::{Program, TapUnit, most_taps, with_program},
+    taps::{Program, TapUnit, most_taps, weight_bits, with_program},
 };
 
 /// Taps whose footprints are kept at a time: few enough to stay in the first-level caches of the host.
@@ -155,12 +158,23 @@ impl<'m> Unit<'m> {
     /// # Errors
     /// See [`UnitError`].
     pub fn new(sampler: &Sampler, surface: &'m Surface, bytes: &'m [u8]) -> Result<Self, UnitError> {
+        if bytes.len() as u64 != surface.bytes {
+            return Err(UnitError::Memory);
+        }
+        let unit = Self::without_memory(sampler, surface)?;
+        let lanes = Lanes::new(sampler, &unit.taps, surface, bytes);
+        Ok(Self { bytes, lanes, ..unit })
+    }
+
+    /// Binds a sampler and the places of a texture that is not there: for [`Unit::addresses`], [`Unit::inspect`] and
+    /// [`Unit::run_from`].
+    ///
+    /// # Errors
+    /// See [`UnitError`].
+    pub fn without_memory(sampler: &Sampler, surface: &'m Surface) -> Result<Self, UnitError> {
         sampler.check().map_err(UnitError::Sampler)?;
         if sampler.filter.pyramid() != surface.kind {
             return Err(UnitError::Pyramid);
-        }
-        if bytes.len() as u64 != surface.bytes {
-            return Err(UnitError::Memory);
         }
         let (most_taps, always) = most_taps(sampler.filter);
         let batch = (BATCH_TAPS / most_taps).max(1);
@@ -168,12 +182,12 @@ impl<'m> Unit<'m> {
         Ok(Self {
             sampler: *sampler,
             surface,
-            bytes,
-            lanes: Lanes::new(sampler, &taps, surface, bytes),
+            bytes: &[],
+            lanes: None,
             taps,
             batch,
             footprints: vec![Footprint::default(); batch * most_taps],
-            ends: vec![0; if always { 0 } else { batch }],
+            ends: vec![0; if always && !sampler.skip_empty_taps { 0 } else { batch }],
             lods: vec![[0; 2]; batch],
         })
     }
@@ -202,20 +216,24 @@ impl<'m> Unit<'m> {
     /// Answers requests; `sink` sees every tap on the way.
     ///
     /// # Panics
-    /// If the two slices differ in length.
+    /// If the two slices differ in length, and where a request reads a plane that has no memory.
     pub fn run<S: Sink>(&mut self, requests: &[Request], responses: &mut [Response], sink: &mut S) {
         assert_eq!(requests.len(), responses.len(), "one response a request");
         let size = self.batch;
+        let bytes = self.bytes;
         if self.sampler.filter == Filter::Sat {
             // Sums are no texels: another datapath.
-            for (requests, responses) in requests.chunks(size).zip(responses.chunks_mut(size)) {
-                let (bytes, (batch, lods)) = (self.bytes, self.expand::<Sat>(requests, 0));
-                for ((response, lod), taps) in responses.iter_mut().zip(lods).zip(batch.per_request()) {
-                    *response = Response { texel: sat::mean(bytes, taps), lod: *lod };
+            return self.run_through(requests, responses, sink, |batch, responses| {
+                for (response, taps) in responses.iter_mut().zip(batch.per_request()) {
+                    response.texel = sat::mean(bytes, taps);
                 }
-                sink.take(batch);
-            }
-            return;
+            });
+        }
+        if one_channel::suffices(&self.sampler, self.surface) {
+            let widths = [self.sampler.filter_bits.into(), weight_bits(self.sampler.filter)];
+            return self.run_through(requests, responses, sink, |batch, responses| {
+                one_channel::answer(bytes, widths, batch, responses);
+            });
         }
         let done = match &self.lanes {
             Some(lanes) if !S::LOOKS => lanes.answer(requests, responses),
@@ -240,6 +258,59 @@ impl<'m> Unit<'m> {
             }
         }));
         self.lanes = lanes;
+    }
+
+    /// The same from texels that lie elsewhere than in bytes of one piece: a memory of tiles.
+    ///
+    /// # Panics
+    /// If the two slices differ in length, or for [`Filter::Sat`], whose entries are no texels.
+    pub fn run_from(
+        &mut self,
+        source: &impl TexelSource,
+        requests: &[Request],
+        responses: &mut [Response],
+        sink: &mut impl Sink,
+    ) {
+        assert_eq!(requests.len(), responses.len(), "one response a request");
+        assert_ne!(self.sampler.filter, Filter::Sat, "sums are no texels");
+        let Sampler { filter: program, filter_bits, rounding, .. } = self.sampler;
+        self.run_through(requests, responses, sink, |batch, responses| {
+            let (texels, weight_bits) = (batch.texels_per_tap, weight_bits(program));
+            for (taps, response) in batch.per_request().zip(responses) {
+                response.texel = filter(source, taps, texels, filter_bits.into(), weight_bits, rounding);
+            }
+        });
+    }
+
+    /// Answers requests a batch at a time in a datapath that takes its widths as they come.
+    fn run_through(
+        &mut self,
+        requests: &[Request],
+        responses: &mut [Response],
+        sink: &mut impl Sink,
+        mut answer: impl FnMut(Batch<'_>, &mut [Response]),
+    ) {
+        let mut rest = responses;
+        self.inspect(requests, &mut |batch, lods| {
+            let (responses, after) = take(&mut rest).split_at_mut(batch.len());
+            rest = after;
+            for (response, lod) in responses.iter_mut().zip(lods) {
+                response.lod = *lod;
+            }
+            sink.take(batch);
+            answer(batch, responses);
+        });
+    }
+
+    /// Makes taps and levels only, and shows them with the levels of each request: what an analysis of requests needs.
+    pub fn inspect(&mut self, requests: &[Request], look: &mut dyn FnMut(Batch<'_>, &[[u16; 2]])) {
+        let size = self.batch;
+        with_program!(self.sampler.filter, P => {
+            for requests in requests.chunks(size) {
+                let (batch, lods) = self.expand::<P>(requests, 0);
+                look(batch, &lods[..batch.len()]);
+            }
+        });
     }
 
     /// Makes addresses only: what a cache study needs.
@@ -271,8 +342,15 @@ impl<'m> Unit<'m> {
                 self.ends[number] = end as u32;
             }
         }
-        let divided =
-            if P::ALWAYS { Requests::Each(P::MOST_TAPS) } else { Requests::Ends(&self.ends[..requests.len()]) };
+        if self.sampler.skip_empty_taps {
+            let each = if P::ALWAYS { Some(P::MOST_TAPS) } else { None };
+            end = empty_taps::leave_out(&mut self.footprints, &mut self.ends[..requests.len()], each);
+        }
+        let divided = if P::ALWAYS && !self.sampler.skip_empty_taps {
+            Requests::Each(P::MOST_TAPS)
+        } else {
+            Requests::Ends(&self.ends[..requests.len()])
+        };
         let taps = &self.footprints[..end];
         (Batch { taps, requests: divided, texels_per_tap: P::TEXELS, surface: self.surface }, &self.lods)
     }
@@ -289,8 +367,10 @@ fn answer<P: Program>(
 ) {
     let responses = &mut responses[first..];
     if let (Some(lanes), Requests::Ends(ends)) = (lanes, batch.requests) {
+        let (done, ends) = ends.split_at(first);
+        let begin = done.last().map_or(0, |&end| end as usize);
         let mut responses = responses.iter_mut();
-        lanes.filter(batch.taps, ends.iter().map(|&end| end as usize), |texel| {
+        lanes.filter(&batch.taps[begin..], ends.iter().map(|&end| end as usize - begin), |texel| {
             if let Some(response) = responses.next() {
                 response.texel = texel;
             }

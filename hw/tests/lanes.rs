@@ -162,7 +162,9 @@ fn lanes_are_the_scalar_unit_for_every_filter_address_mode_layout_and_size() {
                 let bytes = bytes(&surface);
                 for u in MODES {
                     for v in MODES {
-                        let sampler = Sampler { filter, address: [u, v], ..draw(&mut runner, &sampler) };
+                        let skip_empty_taps = draw(&mut runner, &any::<bool>());
+                        let sampler =
+                            Sampler { filter, address: [u, v], skip_empty_taps, ..draw(&mut runner, &sampler) };
                         // Sixteen lanes twice, eight once, and a rest that fills none.
                         let requests: Vec<Request> = (0..32 + 8 + 3).map(|_| draw(&mut runner, &request)).collect();
                         compare(&sampler, &surface, &bytes, &requests);

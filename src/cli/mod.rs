@@ -17,6 +17,7 @@ mod frames;
 mod kernels;
 mod lod;
 mod mips;
+mod needs;
 mod paper;
 mod pareto;
 mod peers;
@@ -65,6 +66,7 @@ enum Command {
     Kernels(kernels::Args),
     Lod(lod::Args),
     Mips(mips::Args),
+    Needs(Box<needs::Args>),
     Paper(paper::Args),
     Pareto(pareto::Args),
     Peers(peers::Args),
@@ -132,6 +134,7 @@ pub fn main() -> ExitCode {
         Command::Kernels(args) => kernels::run(args),
         Command::Lod(args) => lod::run(&args),
         Command::Mips(args) => mips::run(args),
+        Command::Needs(args) => needs::run(&args),
         Command::Paper(args) => paper::run(&args),
         Command::Pareto(args) => pareto::run(&args),
         Command::Peers(args) => peers::run(&args),

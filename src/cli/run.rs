@@ -17,6 +17,7 @@ use crate::{
     experiment::{Bench, FloatOutcome, Outcome, Pyramids, Stage, ewa, report},
     machine::Machine,
     names::{AnyFilter, Named},
+    needs,
     output::{create_folder, print, write_whole},
     scene::Scene,
 };
@@ -42,6 +43,9 @@ pub struct Args {
     /// Print report.json on standard output instead of the tables
     #[arg(long)]
     json: bool,
+    /// Run everything again without what the scene does not need, compare every pixel, and report what that saves
+    #[arg(long)]
+    leave_out: bool,
     #[command(flatten)]
     machine: super::MachineArgs,
 }
@@ -88,7 +92,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             let (pyramid, memory) = pyramids.of(filter.on_pyramid_of());
             match filter {
                 AnyFilter::Unit(filter) => {
-                    let outcome = Bench::new(&stage, &machine, filter, pyramid, memory).measure(&machine)?;
+                    let bench = Bench::new(&stage, &machine, filter, pyramid, memory);
+                    let mut outcome = bench.measure(&machine)?;
+                    if args.leave_out {
+                        outcome.left_out = Some(bench.leave_out(&machine)?);
+                    }
                     let texels = outcome.responses.iter().map(|response| response.texel);
                     written.images(&stage, filter.name(), texels)?;
                     outcomes.push(outcome);
@@ -103,6 +111,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         }
         written.report(&stage, &outcomes, &floats)?;
         mismatches += outcomes.iter().map(|outcome| outcome.mismatches).sum::<u64>();
+        mismatches +=
+            outcomes.iter().flat_map(|outcome| &outcome.left_out).map(|left_out| left_out.differing).sum::<u64>();
         if !args.json {
             progress.suspend(|| print(|out| print_scene(out, &stage, &outcomes, &floats)))?;
         }
@@ -181,9 +191,17 @@ fn print_scene(
         stage.scene.ground_truth.samples * stage.scene.ground_truth.samples,
     )?;
     writeln!(out, "{}", report::table(outcomes, floats))?;
+    let left_out: Vec<_> = outcomes.iter().filter_map(|outcome| outcome.left_out.as_ref()).collect();
+    if !left_out.is_empty() {
+        writeln!(out, "What is needed, after what the machine does without looking:")?;
+        writeln!(out, "{}", needs::report::left_out_table(&left_out))?;
+    }
     for outcome in outcomes {
         if outcome.undefined > 0 {
             writeln!(out, "{}: {} coordinates without a place", outcome.filter.name(), outcome.undefined)?;
+        }
+        if let Some(left_out) = outcome.left_out.as_ref().filter(|left_out| left_out.differing > 0) {
+            writeln!(out, "{}: {} PIXELS DIFFER when leaving out", outcome.filter.name(), left_out.differing)?;
         }
         if let Some(first) = outcome.first_mismatch {
             writeln!(out, "{}: {} MISMATCHES; the first: {first:?}", outcome.filter.name(), outcome.mismatches)?;

@@ -26,6 +26,7 @@ use crate::{
     error::{Error, Result},
     front_end::FrontEnd,
     machine::Machine,
+    needs::LeftOut,
     pyramid::Pyramid,
     reference::{
         Reference,
@@ -114,6 +115,8 @@ pub struct Outcome {
     pub against_ideal: Deviation,
     /// What it took in time; none where a decompressor stands before the cache, which the machine in time has not.
     pub timed: Option<Timed>,
+    /// The same without what is not needed, where that was asked for.
+    pub left_out: Option<LeftOut>,
     /// What the eye sees of the difference from the ground truth.
     pub quality: ImageQuality,
     /// Wall time of this machine for the whole scene: texels and exact cache, one thread.
@@ -241,6 +244,7 @@ impl<'s> Bench<'s> {
             against_truth: self.against_truth(&responses),
             against_ideal: self.against_ideal(&responses)?,
             timed: if self.memory.is_decompressed() { None } else { Some(self.time(machine)?) },
+            left_out: None,
             quality: ImageQuality::of(self.stage, &responses),
             host_seconds,
             responses,
@@ -253,6 +257,14 @@ impl<'s> Bench<'s> {
     /// A machine that cannot run.
     pub fn time(&self, machine: &Machine) -> Result<Timed> {
         Ok(time_requests(machine, &self.sampler, self.memory, &self.requests, None, ())?.0)
+    }
+
+    /// Runs the requests again without what they do not need, and compares every answer.
+    ///
+    /// # Errors
+    /// A machine that cannot be built.
+    pub fn leave_out(&self, machine: &Machine) -> Result<LeftOut> {
+        LeftOut::measure(machine, &self.stage.texture, &self.sampler, &self.requests)
     }
 
     /// Seconds of this machine for the texels of the whole scene, without a cache, one thread: the best of some runs.

@@ -7,7 +7,12 @@ use serde_json::{Value, json};
 use texunit_hw::cache::Counters;
 
 use super::{Deviation, FloatOutcome, Outcome, Stage};
-use crate::{machine::Machine, names::Named, timed_run::Timed};
+use crate::{
+    machine::Machine,
+    names::Named,
+    needs::{self, LeftOut},
+    timed_run::Timed,
+};
 
 /// Version of the shape of report.json; it grows when a field changes its meaning or goes away.
 pub const SCHEMA: u32 = 1;
@@ -91,6 +96,7 @@ pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
         .extend(deviation_metrics(["rmse_ideal", "psnr_ideal", "worst_ideal", "mean_ideal"], &outcome.against_ideal));
     metrics.extend(outcome.quality.metrics());
     metrics.extend(outcome.timed.iter().flat_map(Timed::metrics));
+    metrics.extend(outcome.left_out.iter().flat_map(LeftOut::metrics));
     metrics
 }
 
@@ -192,7 +198,11 @@ pub fn scene_json(stage: &Stage, outcomes: &[Outcome], floats: &[FloatOutcome]) 
                     })
                 })
                 .collect();
-            json!({ "filter": outcome.filter.name(), "metrics": metrics, "planes": planes })
+            let mut filter = json!({ "filter": outcome.filter.name(), "metrics": metrics, "planes": planes });
+            if let Some(left_out) = &outcome.left_out {
+                filter["left_out"] = needs::report::left_out_json(left_out);
+            }
+            filter
         })
         .chain(in_floats)
         .collect();

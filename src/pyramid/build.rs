@@ -69,6 +69,46 @@ impl Build {
         Ok(Pyramid { kind, width: top.width, height: top.height, planes })
     }
 
+    /// The pyramid with the texels of those planes only of which `needed(lu, lv)` is true: bit for bit those of [`Build::pyramid`].
+    /// Only they are computed, and with [`From::Above`] those they come from.
+    ///
+    /// # Errors
+    /// A width the kernel cannot have.
+    pub fn needed_planes(
+        &self,
+        kind: PyramidKind,
+        top: &PlaneImage,
+        needed: impl Fn(u8, u8) -> bool,
+    ) -> Result<Pyramid> {
+        let all = planes_of(kind, top.width, top.height);
+        let mut list: Vec<(u8, u8)> = all.iter().copied().filter(|&(lu, lv)| needed(lu, lv)).collect();
+        if self.from == From::Above {
+            // A source comes earlier in storage order, so one pass from the end finds the sources of sources.
+            for number in (0..all.len()).rev().filter(|&number| all[number] != (0, 0)) {
+                if list.contains(&all[number])
+                    && let Some(source) = nearest_above(all[..number].iter().copied(), all[number])
+                    && !list.contains(&source)
+                {
+                    list.push(source);
+                }
+            }
+            list.sort_by_key(|plane| all.iter().position(|known| known == plane));
+        }
+        let mut made = self.planes(top, &list, |_| ())?;
+        let planes = all.into_iter().map(|(lu, lv)| {
+            let place = made.iter().position(|plane| (plane.lu, plane.lv) == (lu, lv) && needed(lu, lv));
+            place.map_or_else(
+                || {
+                    let (width, height) = (halved(top.width, lu), halved(top.height, lv));
+                    PlaneImage { lu, lv, width, height, texels: Vec::new() }
+                },
+                |place| made.swap_remove(place),
+            )
+        });
+        let planes = planes.collect();
+        Ok(Pyramid { kind, width: top.width, height: top.height, planes })
+    }
+
     /// The planes of `list`, in its order; `made` is called after each plane that took its own pass over a source.
     ///
     /// With [`From::Above`] a plane comes from the largest-numbered plane *earlier in the list* that is at least as large on
@@ -87,7 +127,9 @@ impl Build {
         for (number, &(lu, lv)) in list.iter().enumerate() {
             let source = match self.from {
                 From::Top => top,
-                From::Above => nearest_above(&planes, lu, lv).unwrap_or(top),
+                From::Above => nearest_above(planes.iter().map(|plane| (plane.lu, plane.lv)), (lu, lv))
+                    .and_then(|(lu, lv)| planes.iter().find(|plane| (plane.lu, plane.lv) == (lu, lv)))
+                    .unwrap_or(top),
             };
             let axis = |from, to| AxisTaps::new(self.kernel, width, self.edge, from, to);
             let (wide, high) = (halved(top.width, lu), halved(top.height, lv));
@@ -140,8 +182,8 @@ impl Build {
 }
 
 /// The plane with the most halvings that `(lu, lv)` can be halved from; of equals the one that leaves the u axis to halve.
-fn nearest_above(planes: &[PlaneImage], lu: u8, lv: u8) -> Option<&PlaneImage> {
-    planes.iter().filter(|plane| plane.lu <= lu && plane.lv <= lv).max_by_key(|plane| (plane.lu + plane.lv, plane.lv))
+fn nearest_above(planes: impl Iterator<Item = (u8, u8)>, (lu, lv): (u8, u8)) -> Option<(u8, u8)> {
+    planes.filter(|plane| plane.0 <= lu && plane.1 <= lv).max_by_key(|plane| (plane.0 + plane.1, plane.1))
 }
 
 /// Whether no colour is above its alpha. Then planes keep to that (negative lobes would break it: X17); a texture that
@@ -149,6 +191,15 @@ fn nearest_above(planes: &[PlaneImage], lu: u8, lv: u8) -> Option<&PlaneImage> {
 #[must_use]
 pub fn is_premultiplied(texels: &[[u8; 4]]) -> bool {
     texels.par_iter().all(|&[r, g, b, a]| r <= a && g <= a && b <= a)
+}
+
+impl PlaneRounding {
+    /// Exact sums of four channels over their common total, rounded once and clamped.
+    #[must_use]
+    pub fn divide(self, sums: [i64; 4], total: i64) -> [u8; 4] {
+        let division = Division::new(total, self);
+        sums.map(|sum| division.of(sum))
+    }
 }
 
 /// Divides exact sums by the same number, rounding once.

@@ -28,7 +28,7 @@ pub struct PlaneImage {
     pub width: u32,
     /// Rows, at least 1.
     pub height: u32,
-    /// RGBA8, row after row from the top, `width * height` of them.
+    /// RGBA8, row after row from the top, `width * height` of them; none of a plane that was left out.
     pub texels: Vec<[u8; 4]>,
 }
 

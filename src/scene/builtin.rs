@@ -12,7 +12,7 @@ macro_rules! builtin {
 }
 
 /// Name and text of every built-in scene, in the order they are run.
-const BUILTIN: [(&str, &str); 9] = builtin![
+const BUILTIN: [(&str, &str); 12] = builtin![
     "rectangle-checkerboard",
     "rectangle-pane",
     "rectangle-natural",
@@ -21,6 +21,9 @@ const BUILTIN: [(&str, &str); 9] = builtin![
     "ellipsoid-natural",
     "floor",
     "magnified",
+    "one-to-one",
+    "one-axis",
+    "mixed",
     "walk",
 ];
 

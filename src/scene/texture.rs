@@ -10,6 +10,7 @@ use super::{natural, noise::unit_hash};
 use crate::{
     error::Result,
     names::by_name_per_axis,
+    needs::ImageNeeds,
     pyramid::PlaneImage,
     texel_format::Stored,
     texture_file::{self, TextureImage},
@@ -93,6 +94,17 @@ impl Texture {
         TextureImage { top: PlaneImage::of_image(&self.image()), own }
     }
 
+    /// Which channels of it say something: known of a pattern, looked for in a file.
+    #[must_use]
+    pub fn image_needs(&self) -> ImageNeeds {
+        match &self.source {
+            TextureSource::Procedural(Procedural { pattern, .. }) => {
+                ImageNeeds { opaque: true, grey: *pattern == Pattern::Checkerboard }
+            }
+            TextureSource::File { .. } => ImageNeeds::of([&self.texture_image().top]),
+        }
+    }
+
     /// Width and height, texels.
     #[must_use]
     pub fn size(&self) -> [u32; 2] {
@@ -109,12 +121,18 @@ impl Procedural {
     pub fn image(&self) -> RgbaImage {
         let [width, height] = self.size;
         match self.pattern {
-            Pattern::Checkerboard => RgbaImage::from_fn(width, height, |x, y| {
-                let white = (x / self.cell + y / self.cell).is_multiple_of(2);
-                Rgba(if white { [255; 4] } else { [0, 0, 0, 255] })
-            }),
-            Pattern::Pane => RgbaImage::from_fn(width, height, |x, y| self.pane(x, y)),
+            Pattern::Checkerboard | Pattern::Pane => RgbaImage::from_fn(width, height, |x, y| Rgba(self.texel(x, y))),
             Pattern::Natural => natural::image(self),
+        }
+    }
+
+    /// One texel of a pattern that is computed texel by texel: all but [`Pattern::Natural`], which is black here.
+    #[must_use]
+    pub fn texel(&self, x: u32, y: u32) -> [u8; 4] {
+        match self.pattern {
+            Pattern::Checkerboard if (x / self.cell + y / self.cell).is_multiple_of(2) => [255; 4],
+            Pattern::Pane => self.pane(x, y).0,
+            Pattern::Checkerboard | Pattern::Natural => [0, 0, 0, 255],
         }
     }
 

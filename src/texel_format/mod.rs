@@ -80,13 +80,15 @@ impl Stored {
             .planes
             .iter()
             .map(|plane| {
-                let own = given.and_then(|given| given.plane(plane.lu, plane.lv));
+                // A plane without texels was left out.
+                let needed = given.filter(|_| !plane.texels.is_empty());
+                let own = needed.and_then(|given| given.plane(plane.lu, plane.lv));
                 own.cloned().unwrap_or_else(|| StoredPlane {
                     lu: plane.lu,
                     lv: plane.lv,
                     width: plane.width,
                     height: plane.height,
-                    elements: encoder.plane(plane),
+                    elements: if plane.texels.is_empty() { Vec::new() } else { encoder.plane(plane) },
                 })
             })
             .collect();

@@ -3,7 +3,7 @@
 //! The unit of this crate has one coordinate format and a handful of roundings. Its peers differ in more: where the fraction is cut, whether
 //! there is a half texel, what a weight of all ones means, where they round, and what they take for a logarithm. [`MACHINES`] says it of each,
 //! as peers.md (b1) of the design input read it from their sources; [`Arithmetic::sample`] does it. It is no unit of the chip (no layout, no
-//! cache, no clock), but it is integers only, and this is the crate that holds code to that: docs/decisions/0004.
+//! cache, no clock), but it is integers only, and this is the crate that holds code to that: docs/decisions/0006-peers-in-the-integer-crate.md.
 //!
 //! What no source says is an assumption, and [`Arithmetic::assumed`] says so.
 

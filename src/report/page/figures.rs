@@ -92,6 +92,7 @@ fn run_section(number: usize, results: &Results, run: &Value, scene: &Value) -> 
         p { (scene["scene"]["description"].as_str().unwrap_or_default()) }
         figure { div.wide { (filter_table(scene)) } figcaption { "Every filter on this scene; the best of a column stands out." } }
         (stall_bars(scene))
+        (saved(scene))
         @if images.len() > 1 {
             figure {
                 div.choice {
@@ -199,6 +200,61 @@ fn stall_bars(scene: &Value) -> Markup {
             }
             p.key { @for (place, (name, _)) in rows[0].1.iter().enumerate() { span { i class={ "c" (place % 7) } {} (name) } } }
             figcaption { "Clocks stalled a pixel, by cause; the longest bar is " (format!("{most:.2}")) "." }
+        }
+    }
+}
+
+/// What the same picture costs without what the scene does not need.
+fn saved(scene: &Value) -> Markup {
+    let filters = scene["filters"].as_array().into_iter().flatten();
+    let filters: Vec<&Value> = filters.filter(|filter| filter["left_out"].is_object()).collect();
+    if filters.is_empty() {
+        return html! {};
+    }
+    let columns = [
+        ("memory_bytes", "memory", "KiB", 1.0 / 1024.0),
+        ("bytes_per_pixel_uncached", "uncached", "B/pixel", 1.0),
+        ("bytes_per_pixel_cached", "cached", "B/pixel", 1.0),
+        ("cycles_per_pixel", "cycles", "/pixel", 1.0),
+        ("energy_pj_per_pixel", "energy", "pJ/pixel", 1.0),
+        ("host_ns_per_pixel", "this host", "ns/pixel", 1.0),
+    ];
+    let differing: u64 = filters.iter().filter_map(|filter| filter["left_out"]["differing_pixels"].as_u64()).sum();
+    html! {
+        figure {
+            div.wide {
+                table {
+                    thead { tr {
+                        th { "filter" } th { "runs as" } th { "planes" } th { "channels" }
+                        @for (_, heading, unit, _) in &columns { th { (heading) small { (unit) } } }
+                    } }
+                    tbody {
+                        @for filter in &filters {
+                            tr {
+                                td { (filter["filter"].as_str().unwrap_or_default()) }
+                                td { (filter["left_out"]["runs_as"].as_str().unwrap_or_default()) }
+                                td { (filter["left_out"]["planes"].as_array().map_or(0, Vec::len)) }
+                                td { (filter["left_out"]["channels"].as_u64().unwrap_or(4)) }
+                                @for (name, _, _, factor) in &columns {
+                                    td {
+                                        @for (suffix, arrow) in [("whole", " \u{2192} "), ("needed", "")] {
+                                            @match metric(filter, &format!("{name}_{suffix}")) {
+                                                Some(value) => (format!("{:.1}", value * factor)),
+                                                None => "-",
+                                            }
+                                            (arrow)
+                                        }
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+            figcaption {
+                "What every filter costs, and what it costs without what this scene does not need. Pixels that differ between the two: "
+                (differing) "."
+            }
         }
     }
 }
