@@ -130,8 +130,8 @@ fn average(
     };
     let cell = f64::from(samples).recip();
     let pixel = u32::from(fragment.x) | u32::from(fragment.y) << 16;
-    for number in 0..samples * samples {
-        let (column, row) = (number % samples, number / samples);
+    for (row, column) in (0..samples).flat_map(|row| (0..samples).map(move |column| (row, column))) {
+        let number = row * samples + column;
         let (within_x, within_y) =
             if supersampling.jitter { (unit_hash(pixel, number, 0), unit_hash(pixel, number, 1)) } else { (0.5, 0.5) };
         let x = left + (f64::from(column) + within_x) * cell;
@@ -160,13 +160,25 @@ fn texel_under(wrap: AddressMode, coordinate: f64, texels: u32) -> Option<u32> {
     let size = f64::from(texels);
     let last = texels - 1;
     match wrap {
-        AddressMode::Wrap => Some((((coordinate - coordinate.floor()) * size) as u32).min(last)),
+        AddressMode::Wrap => Some((((coordinate - whole(coordinate)) * size) as u32).min(last)),
         AddressMode::Clamp => Some(((coordinate * size).max(0.0) as u32).min(last)),
         AddressMode::Clip => (0.0..1.0).contains(&coordinate).then(|| ((coordinate * size) as u32).min(last)),
         AddressMode::Mirror => {
-            let turn = coordinate - 2.0 * (coordinate / 2.0).floor();
+            let turn = coordinate - 2.0 * whole(coordinate / 2.0);
             let index = ((turn * size) as u32).min(2 * texels - 1);
             Some(if index < texels { index } else { 2 * texels - 1 - index })
         }
     }
+}
+
+/// The largest whole number not above a finite one. What `f64::floor` says, without the call it is where the processor's own
+/// rounding cannot be assumed: this is asked for every sub-sample.
+#[inline]
+#[allow(clippy::cast_possible_truncation, reason = "beyond 2^52 every number is whole")]
+fn whole(number: f64) -> f64 {
+    if number.abs() >= 4_503_599_627_370_496.0 {
+        return number;
+    }
+    let towards_zero = number as i64 as f64;
+    if towards_zero > number { towards_zero - 1.0 } else { towards_zero }
 }
