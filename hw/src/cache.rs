@@ -19,6 +19,7 @@ mod texel_cache;
 pub use counters::{Counters, PlaneCounters};
 pub use first_reference::LineSet;
 pub use line_use::LineUse;
+use line_use::Marks;
 pub use miss_class::{MissClass, MissClasses, MissClassifier};
 pub use texel_cache::{Detail, TexelCache};
 

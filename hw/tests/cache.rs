@@ -188,6 +188,12 @@ fn textbook_use(geometry: Geometry, policy: Policy, texel: u64, addresses: &[u64
     total + used.values().map(|bytes| bytes.len() as u64).sum::<u64>()
 }
 
+/// Caches that a request or two fill.
+fn crowded() -> impl Strategy<Value = Geometry> {
+    let line = prop::sample::select(vec![16, 32, 64]);
+    (1_u32..4, 1_u32..5, line).prop_map(|(sets, ways, line)| Geometry { sets, ways, line })
+}
+
 /// A tap of four texels: where it is, how far right and down its neighbours are, its plane, and which texels are outside.
 type TapPlan = (u64, u64, u64, u16, u8);
 
@@ -225,7 +231,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn taps_in_batches_count_as_their_texels_one_by_one(
-        geometry in geometries(),
+        geometry in prop_oneof![1 => geometries(), 3 => crowded()],
         policy in policies(),
         requests in (1_usize..6).prop_flat_map(requests),
         detail in prop::sample::select(vec![Detail::default(), Detail { classes: false, line_use: true }]),

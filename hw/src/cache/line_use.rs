@@ -62,6 +62,24 @@ impl LineUse {
         (self.left + resident) << self.texel_shift
     }
 
+    /// The marks, laid open once for many lookups.
+    #[inline(always)]
+    pub(super) fn marks(&mut self) -> Marks<'_> {
+        let Self { texel_shift, texel_mask, words, .. } = *self;
+        Marks { texel_shift, texel_mask, words, marks: self.marks.as_raw_mut_slice(), left: &mut self.left }
+    }
+}
+
+/// The marks of a [`LineUse`] as words.
+pub(super) struct Marks<'a> {
+    texel_shift: u32,
+    texel_mask: u64,
+    words: usize,
+    marks: &'a mut [u64],
+    left: &'a mut u64,
+}
+
+impl Marks<'_> {
     /// Marks texels of one line, which is where `outcome` says.
     #[inline(always)]
     pub(super) fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], outcome: Outcome) {
@@ -69,21 +87,26 @@ impl LineUse {
         if matches!(outcome, Outcome::Miss { evicted: Some(_), .. }) {
             self.refill(slot);
         }
+        self.again(addresses, slot);
+    }
+
+    /// The same for a line that is in `slot`.
+    #[inline(always)]
+    pub(super) fn again<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], slot: usize) {
         let texels = addresses.map(|address| address >> self.texel_shift & self.texel_mask);
         if self.words == 1 {
-            let marks = texels.iter().fold(0, |marks, texel| marks | 1 << texel);
-            self.marks.as_raw_mut_slice()[slot] |= marks;
+            self.marks[slot] |= texels.iter().fold(0, |marks, texel| marks | 1 << texel);
         } else {
             for texel in texels {
-                self.marks.as_raw_mut_slice()[slot * self.words + (texel / 64) as usize] |= 1 << (texel % 64);
+                self.marks[slot * self.words + (texel / 64) as usize] |= 1 << (texel % 64);
             }
         }
     }
 
     #[inline(never)]
     fn refill(&mut self, slot: usize) {
-        for word in &mut self.marks.as_raw_mut_slice()[slot * self.words..(slot + 1) * self.words] {
-            self.left += u64::from(word.count_ones());
+        for word in &mut self.marks[slot * self.words..(slot + 1) * self.words] {
+            *self.left += u64::from(word.count_ones());
             *word = 0;
         }
     }
@@ -92,6 +115,6 @@ impl LineUse {
 impl Observer for LineUse {
     #[inline(always)]
     fn lookup(&mut self, address: u64, _: u64, outcome: Outcome) {
-        self.run(&[address], outcome);
+        self.marks().run(&[address], outcome);
     }
 }

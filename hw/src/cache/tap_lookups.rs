@@ -9,8 +9,8 @@ use crate::address::{Footprint, is_outside};
 
 /// What watches a cache that is read tap by tap.
 pub(crate) trait TapObserver {
-    /// A tap on this plane begins.
-    fn tap(&mut self, plane: u16);
+    /// A tap on this plane begins, of so many texels that are read.
+    fn tap(&mut self, plane: u16, texels: u64);
     /// Texels of one line were read, one after the other; `outcome` is that of the first, the others hit.
     fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome);
     /// The same, of a request that repeats the one before: a hit in `slot` that changes no order of use.
@@ -19,7 +19,7 @@ pub(crate) trait TapObserver {
 
 impl TapObserver for () {
     #[inline(always)]
-    fn tap(&mut self, _: u16) {}
+    fn tap(&mut self, _: u16, _: u64) {}
     #[inline(always)]
     fn run<const TEXELS: usize>(&mut self, _: &[u64; TEXELS], _: u64, _: Outcome) {}
     #[inline(always)]
@@ -29,9 +29,9 @@ impl TapObserver for () {
 /// One after the other.
 impl<A: TapObserver, B: TapObserver> TapObserver for (&mut A, &mut B) {
     #[inline(always)]
-    fn tap(&mut self, plane: u16) {
-        self.0.tap(plane);
-        self.1.tap(plane);
+    fn tap(&mut self, plane: u16, texels: u64) {
+        self.0.tap(plane, texels);
+        self.1.tap(plane, texels);
     }
     #[inline(always)]
     fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome) {
@@ -151,7 +151,7 @@ impl Cache {
             if let Some(before) = before && in_the_same_lines(before, request, shift) {
                 let mut repeated = Repeated { slots: done.slots.iter(), observer: &mut *observer };
                 for tap in request {
-                    repeated.observer.tap(tap.plane);
+                    repeated.observer.tap(tap.plane, 4);
                     runs_of(tap, shift, keeps_last, &mut repeated);
                 }
                 lookups += 4 * request.len() as u64;
@@ -161,18 +161,21 @@ impl Cache {
             done.misses = 0;
             let mut inside = true;
             for tap in request {
-                observer.tap(tap.plane);
                 let access = |line: u64| tags.access(set_of(line), line);
-                let mut looked_up = LookedUp { access, done: &mut done, observer: &mut *observer };
                 let [a, b, c, d] = tap.address;
                 if texels == 1 || is_outside(a | b | c | d) {
                     inside = false;
-                    for &address in tap.address[..texels].iter().filter(|&&address| !is_outside(address)) {
+                    let read = tap.address[..texels].iter().filter(|&&address| !is_outside(address));
+                    observer.tap(tap.plane, read.clone().count() as u64);
+                    let mut looked_up = LookedUp { access, done: &mut done, observer: &mut *observer };
+                    for &address in read {
                         lookups += 1;
                         looked_up.run(&[address], address >> shift);
                     }
                 } else {
                     lookups += 4;
+                    observer.tap(tap.plane, 4);
+                    let mut looked_up = LookedUp { access, done: &mut done, observer: &mut *observer };
                     runs_of(tap, shift, keeps_last, &mut looked_up);
                 }
             }

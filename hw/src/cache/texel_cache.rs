@@ -5,7 +5,7 @@ use alloc::{vec, vec::Vec};
 use crate::unit::{Batch, Requests, Sink};
 
 use super::{
-    Cache, Counters, Geometry, GeometryError, LineUse, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
+    Cache, Counters, Geometry, GeometryError, LineUse, Marks, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
     TapObserver,
 };
 
@@ -222,7 +222,7 @@ impl TexelCache {
         };
         match &mut self.meter {
             Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } => {
-                let watch = &mut FullWatch { classifier, line_use, planes, plane: 0 };
+                let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, plane: 0 };
                 self.cache.access_taps(batch.taps, batch.texels_per_tap, each, &mut (watch, observer));
             }
             meter => {
@@ -249,23 +249,23 @@ impl Sink for TexelCache {
 /// Every counter, without asking each time which are wanted.
 struct FullWatch<'a> {
     classifier: &'a mut MissClassifier,
-    line_use: &'a mut LineUse,
+    marks: Marks<'a>,
     planes: &'a mut [PlaneCounters],
     plane: usize,
 }
 
 impl TapObserver for FullWatch<'_> {
     #[inline(always)]
-    fn tap(&mut self, plane: u16) {
+    fn tap(&mut self, plane: u16, texels: u64) {
         self.plane = plane.into();
+        self.planes[self.plane].lookups += texels;
     }
 
     #[inline(always)]
     fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome) {
-        let row = &mut self.planes[self.plane];
-        row.lookups += TEXELS as u64;
-        self.line_use.run(addresses, outcome);
+        self.marks.run(addresses, outcome);
         if let Some(class) = self.classifier.classify(line, outcome) {
+            let row = &mut self.planes[self.plane];
             row.classes.count(class);
             row.misses += 1;
         }
@@ -273,8 +273,7 @@ impl TapObserver for FullWatch<'_> {
 
     #[inline(always)]
     fn again<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], _: u64, slot: u32) {
-        self.planes[self.plane].lookups += TEXELS as u64;
-        self.line_use.run(addresses, Outcome::Hit { slot });
+        self.marks.again(addresses, slot as usize);
     }
 }
 
@@ -287,25 +286,24 @@ struct TapWatch<'a> {
 
 impl TapObserver for TapWatch<'_> {
     #[inline(always)]
-    fn tap(&mut self, plane: u16) {
+    fn tap(&mut self, plane: u16, texels: u64) {
         self.plane = plane.into();
+        self.planes[self.plane].lookups += texels;
     }
 
     #[inline(always)]
     fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome) {
         let row = &mut self.planes[self.plane];
-        row.lookups += TEXELS as u64;
         PlaneMeter { meter: self.meter, row }.lookup(addresses[0], line, outcome);
         if let Some(line_use) = &mut self.meter.line_use {
-            line_use.run(addresses, Outcome::Hit { slot: outcome.slot() });
+            line_use.marks().again(addresses, outcome.slot() as usize);
         }
     }
 
     #[inline(always)]
     fn again<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], _: u64, slot: u32) {
-        self.planes[self.plane].lookups += TEXELS as u64;
         if let Some(line_use) = &mut self.meter.line_use {
-            line_use.run(addresses, Outcome::Hit { slot });
+            line_use.marks().again(addresses, slot as usize);
         }
     }
 }

@@ -52,7 +52,7 @@ impl TapReads {
 
 impl TapObserver for TapReads {
     #[inline(always)]
-    fn tap(&mut self, _: u16) {
+    fn tap(&mut self, _: u16, _: u64) {
         self.begins.push(self.accesses.len());
     }
 
