@@ -44,11 +44,11 @@ fn replay(simulator: &str, program: &str) {
         return;
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    // A folder each: the tests run side by side.
-    let folder = tempfile::tempdir().unwrap();
+    // A folder each: the tests run side by side. It stays, so that the next run finds the programs built.
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("rtl-golden-{simulator}"));
     let mut make = Command::new("make");
     make.arg("--no-print-directory").arg("-C").arg(root.join("hw")).arg(format!("golden-{simulator}"));
-    make.arg(format!("OUT={}", folder.path().display())).arg(concat!("TEXUNIT=", env!("CARGO_BIN_EXE_texunit")));
+    make.arg(format!("OUT={}", folder.display())).arg(concat!("TEXUNIT=", env!("CARGO_BIN_EXE_texunit")));
     let output = make.env_remove("MAKEFLAGS").env_remove("CARGO_MAKEFLAGS").output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{said}\n{}", String::from_utf8_lossy(&output.stderr));
@@ -72,7 +72,7 @@ fn replay(simulator: &str, program: &str) {
             Some((_, why)) => {
                 let line = said.lines().find(|line| line.starts_with(&format!("{name} REFUSED"))).unwrap();
                 assert!(line.contains(why), "{line}");
-                folder.path().join(format!("golden/{name}.nearest.trace"))
+                folder.join(format!("golden/{name}.nearest.trace"))
             }
             None => root.join(format!("traces/{name}.trace")),
         };
