@@ -142,6 +142,42 @@ fn a_trace_exports_the_reads_it_counts() {
 }
 
 #[test]
+fn the_texture_memory_of_a_trace_holds_at_each_address_the_texel_that_was_answered() {
+    let folder = folder();
+    let at = folder.path();
+    good(&texunit(at, &["trace", "record", "small.toml", "-f", "point", "--every", "7", "-o", "a.trace"]));
+    good(&texunit(at, &["trace", "memory", "a.trace", "-o", "a.memory"]));
+    let memory = fs::read_to_string(at.join("a.memory")).unwrap();
+    let (head, words): (Vec<&str>, Vec<&str>) = memory.lines().partition(|line| line.starts_with("//"));
+    assert!(head.contains(&"// plane 1 halved 1 1 size 64 32 at 00008000"), "{head:?}");
+    assert!(head.contains(&format!("// count {}", words.len()).as_str()), "{head:?}");
+    let trace = fs::read_to_string(at.join("a.trace")).unwrap();
+    for line in trace.lines().filter(|line| line.contains(" = ")) {
+        assert!(head.contains(&line), "{line} in {head:?}");
+    }
+    // A point request reads its texel and nothing else; outside under clip it reads nothing.
+    let answered: Vec<u32> = trace
+        .lines()
+        .filter(|line| !line.starts_with("//"))
+        .map(|line| line.split('_').collect::<Vec<_>>())
+        .filter(|fields| fields[13] == "0001")
+        .map(|fields| u32::from_str_radix(fields[10], 16).unwrap())
+        .collect();
+    let addresses = good(&texunit(at, &["trace", "export", "a.trace", "--format", "din", "-o", "-"]));
+    let held: Vec<u32> = addresses
+        .lines()
+        .map(|line| usize::from_str_radix(line.split(' ').nth(1).unwrap(), 16).unwrap())
+        // Red is the highest byte of an answer and the lowest of a word.
+        .map(|address| u32::from_str_radix(words[address / 4], 16).unwrap().swap_bytes())
+        .collect();
+    assert!(held.len() > 100, "{}", held.len());
+    assert_eq!(held, answered);
+
+    good(&texunit(at, &["trace", "replay", "a.trace", "--set", "texture.format=palette8", "-o", "b.trace"]));
+    refused(&texunit(at, &["trace", "memory", "b.trace", "-o", "b"]), &["texture.format", "palette8", "colours"]);
+}
+
+#[test]
 fn a_texture_file_is_found_beside_the_trace_and_refused_when_it_changed() {
     let folder = folder();
     let at = folder.path();

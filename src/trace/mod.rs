@@ -1,6 +1,7 @@
 //! Golden traces: requests with the answers they must get and the misses they cause, as text that a person, Rust, C++ and
 //! Verilog's `$readmemh` all read (docs/trace-format.md).
 
+mod memory_image;
 mod player;
 mod profile;
 mod reader;

@@ -1,6 +1,6 @@
 //! Playing requests on the machine of a trace.
 
-use std::path::Path;
+use std::{io::Write, path::Path};
 
 use texunit_hw::{
     Request, Response, Sampler, Unit,
@@ -8,7 +8,7 @@ use texunit_hw::{
     unit::{Batch, Requests, Sink},
 };
 
-use super::{Profile, Record};
+use super::{Profile, Record, memory_image};
 use crate::{
     error::{Error, Result},
     reference::Reference,
@@ -70,6 +70,15 @@ impl Player {
     #[must_use]
     pub const fn memory_bytes(&self) -> u64 {
         self.held.memory.surface.bytes
+    }
+
+    /// Writes the texture memory the addresses point into, with its planes and `profile`, which this player was made of
+    /// (docs/trace-format.md).
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_memory(&self, profile: &Profile, out: &mut dyn Write) -> std::io::Result<()> {
+        memory_image::write(profile, &self.held.memory, out)
     }
 
     fn unit(&self) -> Result<Unit<'_>> {

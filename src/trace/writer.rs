@@ -2,7 +2,7 @@
 
 use std::io::{Error, Result, Write};
 
-use super::{FIELDS, Trace, UNIT, VERSION, WITHOUT_EFFECT};
+use super::{FIELDS, Profile, Trace, UNIT, VERSION, WITHOUT_EFFECT};
 
 impl Trace {
     /// Writes the trace as docs/trace-format.md says.
@@ -13,18 +13,21 @@ impl Trace {
         writeln!(out, "// texunit trace {VERSION}")?;
         writeln!(out, "// unit {UNIT}")?;
         writeln!(out, "// model {}", self.model)?;
-        let mut profile = toml::Table::try_from(&self.profile).map_err(Error::other)?;
-        if let Some(machine) = profile.get_mut("machine").and_then(toml::Value::as_table_mut) {
-            machine.retain(|section, _| !WITHOUT_EFFECT.contains(&section));
-        }
-        for (key, value) in assignments(&profile) {
-            writeln!(out, "// {key} = {value}")?;
-        }
+        write_profile(&self.profile, out)?;
         writeln!(out, "// seed {}", self.seed)?;
         writeln!(out, "// fields {}", fields_line())?;
         writeln!(out, "// count {}", self.records.len())?;
         self.records.iter().try_for_each(|record| writeln!(out, "{record}"))
     }
+}
+
+/// The lines of a head that say everything an answer depends on beside the request.
+pub(super) fn write_profile(profile: &Profile, out: &mut dyn Write) -> Result<()> {
+    let mut profile = toml::Table::try_from(profile).map_err(Error::other)?;
+    if let Some(machine) = profile.get_mut("machine").and_then(toml::Value::as_table_mut) {
+        machine.retain(|section, _| !WITHOUT_EFFECT.contains(&section));
+    }
+    assignments(&profile).into_iter().try_for_each(|(key, value)| writeln!(out, "// {key} = {value}"))
 }
 
 /// Names and widths of the fields, as the head says them.

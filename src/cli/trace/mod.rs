@@ -1,6 +1,7 @@
 //! `texunit trace`: golden traces of requests and answers.
 
 mod export;
+mod memory;
 mod record;
 mod replay;
 mod verify;
@@ -9,7 +10,7 @@ use std::process::ExitCode;
 
 use crate::{error::Result, trace::Selection};
 
-/// Record what the machine answers, replay it, hold chip and reference to it, and export addresses.
+/// Record what the machine answers, replay it, hold chip and reference to it, and export addresses and memory.
 ///
 /// A trace is text: a head that says everything an answer depends on, then a request with its answer, reads and misses a line
 /// (docs/trace-format.md). `$readmemh` reads it as it is.
@@ -25,6 +26,7 @@ enum Action {
     Replay(replay::Args),
     Verify(verify::Args),
     Export(export::Args),
+    Memory(memory::Args),
 }
 
 /// Which of a scene's fragments become requests.
@@ -57,5 +59,6 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         Action::Replay(args) => replay::run(args),
         Action::Verify(args) => verify::run(args),
         Action::Export(args) => export::run(args),
+        Action::Memory(args) => memory::run(args),
     }
 }
