@@ -28,8 +28,8 @@ pub struct Args {
     /// Requests as CSV (or Parquet, in a build with that feature): columns u, v, dudx, dvdx, dudy, dvdy, and if wanted x, y, texture, filter
     #[arg(long, value_name = "FILE")]
     requests: Option<PathBuf>,
-    /// A Wavefront OBJ mesh with the textures its MTL file names, turned to fill the picture
-    #[arg(long, value_name = "FILE.obj")]
+    /// A Wavefront OBJ mesh with the textures its MTL file names (or glTF, in a build with that feature), turned to fill the picture
+    #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
     /// Image file of a texture of the requests, and its name there; more than once for more
     #[arg(long, value_name = "NAME=FILE", value_parser = named_file)]

@@ -1,15 +1,13 @@
-//! A mesh from an OBJ file, with the textures its MTL file names.
+//! Textured triangles, and where they come from: OBJ ([`obj`]), or glTF with the feature of that name.
 
 use std::path::Path;
 
-use glam::{DMat3, DVec2, DVec3, dvec2, dvec3};
+use glam::{DMat3, DVec2, DVec3, dvec3};
 
-use super::NamedTexture;
-use crate::{
-    error::{Error, Result},
-    pyramid::PlaneImage,
-    texture_file,
-};
+use super::{NamedTexture, obj};
+#[cfg(not(feature = "gltf"))]
+use crate::error::Error;
+use crate::{error::Result, pyramid::PlaneImage, texture_file::TextureImage};
 
 /// A corner: where it is, and what of the texture is there (v down, as in images).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,55 +37,17 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Reads an OBJ file. A material without an image is its diffuse colour; faces without a material are white.
+    /// Reads a mesh: glTF by its extension (`.gltf`, `.glb`; with the feature of that name), otherwise OBJ. A material without an
+    /// image is its colour; faces without a material are white.
     ///
     /// # Errors
-    /// A missing or damaged file, a mesh without texture coordinates or without faces, an image that cannot be read.
+    /// A missing or damaged file, a mesh without texture coordinates or without faces, an image that cannot be read, glTF in a build
+    /// without it.
     pub fn load(path: &Path) -> Result<Self> {
-        if !path.is_file() {
-            std::fs::File::open(path).map_err(Error::io(path))?;
-        }
-        let remedy = "a Wavefront OBJ file with texture coordinates (vt) is meant";
-        let wrong = |place: &str, problem: String| Error::file(path, place, problem, remedy);
-        let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
-        let (models, materials) =
-            tobj::load_obj(path, &options).map_err(|error| wrong("its text", error.to_string()))?;
-        let materials = materials.map_err(|error| wrong("its material library", error.to_string()))?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let mut mesh = Self::default();
-        for material in &materials {
-            let image = match &material.diffuse_texture {
-                Some(name) => texture_file::load(&folder.join(name.trim().replace('\\', "/")))?,
-                None => plain(material.diffuse.unwrap_or([1.0; 3])),
-            };
-            mesh.textures.push(NamedTexture { name: material.name.clone(), image });
-        }
-        for model in &models {
-            let faces = &model.mesh;
-            let texture = faces.material_id.unwrap_or_else(|| {
-                mesh.textures.push(NamedTexture { name: format!("{} (white)", model.name), image: plain([1.0; 3]) });
-                mesh.textures.len() - 1
-            });
-            if faces.texcoord_indices.len() != faces.indices.len() {
-                return Err(wrong(&format!("object `{}`", model.name), "a face has no texture coordinates".into()));
-            }
-            let corner = |(&at, &uv): (&u32, &u32)| {
-                let position = faces.positions.get(3 * at as usize..)?.first_chunk::<3>()?.map(f64::from);
-                let [u, v] = faces.texcoords.get(2 * uv as usize..)?.first_chunk::<2>()?.map(f64::from);
-                // OBJ counts v from the bottom.
-                Some(Corner { position: DVec3::from_array(position), uv: dvec2(u, 1.0 - v) })
-            };
-            let corners: Option<Vec<Corner>> = faces.indices.iter().zip(&faces.texcoord_indices).map(corner).collect();
-            let corners = corners.ok_or_else(|| {
-                wrong(&format!("object `{}`", model.name), "a face names a corner that is not there".into())
-            })?;
-            let triangles = corners.as_chunks::<3>().0.iter().map(|&corners| Triangle { corners, texture });
-            mesh.triangles.extend(triangles);
-        }
-        if mesh.triangles.is_empty() {
-            return Err(wrong("its text", "there is no face".into()));
-        }
-        Ok(mesh)
+        let is_gltf = path
+            .extension()
+            .is_some_and(|extension| ["gltf", "glb"].iter().any(|known| extension.eq_ignore_ascii_case(known)));
+        if is_gltf { load_gltf(path) } else { obj::load(path) }
     }
 
     /// Turns the mesh and moves it before the camera, so that the sphere around its box just fits a vertical `field_of_view` (degrees).
@@ -103,8 +63,19 @@ impl Mesh {
     }
 }
 
-/// One texel of a colour.
-fn plain(colour: [f32; 3]) -> crate::texture_file::TextureImage {
-    let [red, green, blue] = colour.map(|channel| (channel.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
-    PlaneImage::top(1, 1, vec![[red, green, blue, 255]]).into()
+#[cfg(feature = "gltf")]
+fn load_gltf(path: &Path) -> Result<Mesh> {
+    super::gltf::load(path)
+}
+
+#[cfg(not(feature = "gltf"))]
+fn load_gltf(path: &Path) -> Result<Mesh> {
+    let problem = "this texunit was built without glTF";
+    Err(Error::file(path, "its name", problem, "build it with `--features gltf`, or give the mesh as OBJ"))
+}
+
+/// One texel of a colour (red, green, blue, alpha, 0 to 1), rounded to the nearest of 255 steps.
+pub(super) fn plain(colour: [f32; 4]) -> TextureImage {
+    let texel = colour.map(|channel| (channel.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+    PlaneImage::top(1, 1, vec![texel]).into()
 }

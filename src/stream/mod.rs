@@ -1,7 +1,10 @@
 //! Requests from elsewhere: another renderer's or simulator's own stream ([`requests_file`]), or the fragments of a mesh
 //! ([`mesh`], [`raster`]). Textures and filters may change from request to request; one cache sees them all.
 
+#[cfg(feature = "gltf")]
+pub mod gltf;
 pub mod mesh;
+pub mod obj;
 mod placed;
 pub mod raster;
 pub mod requests_file;

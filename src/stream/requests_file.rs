@@ -41,6 +41,9 @@ type Take<'t> = dyn FnMut(u64, Row) -> Result<()> + 't;
 
 const REMEDY: &str = "columns are u, v, dudx, dvdx, dudy, dvdy, and if wanted x, y, texture, filter";
 
+/// Pixels go so far on both axes, as those of a scene: a row alone must not ask for a picture of 16 GiB.
+pub const PIXEL_MAX: u16 = 16383;
+
 /// Reads a stream. `textures` gives names files; a name it does not know is a file beside the stream's, and rows without one take
 /// the only texture given.
 ///
@@ -107,8 +110,16 @@ impl Loader<'_> {
                 texture
             }
         };
-        let gradient = Gradient { ux: row.dudx, uy: row.dudy, vx: row.dvdx, vy: row.dvdy };
         let [x, y] = [row.x, row.y].map(Option::unwrap_or_default);
+        if x.max(y) > PIXEL_MAX {
+            return Err(Error::file(
+                self.path,
+                &place,
+                format!("pixel {x}, {y}"),
+                format!("0 to {PIXEL_MAX} are meant"),
+            ));
+        }
+        let gradient = Gradient { ux: row.dudx, uy: row.dudy, vx: row.dvdx, vy: row.dvdy };
         let fragment = Fragment { x, y, u: row.u, v: row.v, gradient };
         self.stream.requests.push(StreamRequest { fragment, texture, filter });
         Ok(())
