@@ -9,7 +9,7 @@ use super::{Chip, Proof, Tally, Work};
 use crate::names::Named;
 
 /// Textures: two sizes at a time, one an axis, powers of two and others, and the width of the fraction.
-const SIZES: [([u32; 2], u8); 3] = [([1, 256], 8), ([5, 4096], 8), ([1000, 32768], 12)];
+const SIZES: [([u32; 2], u8); 2] = [([1, 256], 8), ([1000, 32768], 12)];
 
 pub(super) fn proofs<C: Chip>() -> Vec<Proof<C>> {
     let of_mode = |&(name, mode): &(&str, AddressMode)| {
@@ -56,16 +56,18 @@ impl Walk {
         }
     }
 
-    /// To the next coordinate; whether into the next texel.
-    #[inline]
-    fn step(&mut self) -> bool {
-        self.within += self.size;
-        let next = self.within >= TURN;
-        if next {
+    /// Coordinates from here on in the same texel, this one among them.
+    fn left(&self) -> i64 {
+        (TURN - self.within + self.size - 1) / self.size
+    }
+
+    /// So many coordinates on, not beyond the first of the next texel.
+    fn walk(&mut self, steps: i64) {
+        self.within += steps * self.size;
+        if self.within >= TURN {
             self.within -= TURN;
             self.index += 1;
         }
-        next
     }
 }
 
@@ -86,50 +88,45 @@ fn standing_for(index: i64, size: i64, mode: AddressMode) -> u64 {
     texel as u64
 }
 
-/// Both axes of a texture at one coordinate: the texels of a bilinear tap, and of a point tap.
+/// Both axes of a texture at one coordinate.
+#[derive(Clone, Copy)]
 struct Both {
     bilinear: [Walk; 2],
     point: [Walk; 2],
-    pair: [[u64; 2]; 2],
-    texel: [u64; 2],
-    mode: AddressMode,
 }
 
 impl Both {
-    fn at(coordinate: i64, size: [u32; 2], mode: AddressMode) -> Self {
-        let bilinear = size.map(|size| Walk::at(coordinate, size, TURN / 2));
-        let point = size.map(|size| Walk::at(coordinate, size, 0));
-        let mut both = Self { bilinear, point, pair: [[0; 2]; 2], texel: [0; 2], mode };
-        for axis in 0..2 {
-            both.look_up(axis);
-        }
-        both
-    }
-
-    fn look_up(&mut self, axis: usize) {
-        let Walk { index, size, .. } = self.bilinear[axis];
-        self.pair[axis] = [index, index + 1].map(|index| standing_for(index, size, self.mode));
-        self.texel[axis] = standing_for(self.point[axis].index, size, self.mode);
-    }
-
-    #[inline]
-    fn step(&mut self) {
-        for axis in 0..2 {
-            if self.bilinear[axis].step() | self.point[axis].step() {
-                self.look_up(axis);
-            }
+    fn at(coordinate: i64, size: [u32; 2]) -> Self {
+        Self {
+            bilinear: size.map(|size| Walk::at(coordinate, size, TURN / 2)),
+            point: size.map(|size| Walk::at(coordinate, size, 0)),
         }
     }
-}
 
-/// Where a texel lies, one byte each, row by row.
-#[inline]
-fn byte([column, row]: [u64; 2], width: u64) -> u64 {
-    if column == NONE || row == NONE { NONE } else { column + row * width }
+    /// Coordinates from here on with the same texels.
+    fn left(&self) -> i64 {
+        self.bilinear.iter().chain(&self.point).map(Walk::left).min().unwrap_or(1)
+    }
+
+    fn walk(&mut self, steps: i64) {
+        self.bilinear.iter_mut().chain(&mut self.point).for_each(|walk| walk.walk(steps));
+    }
+
+    /// Where the texels lie, row by row: four of the bilinear tap, and the one of the point tap.
+    fn addresses(&self, size: [u32; 2], mode: AddressMode, element: u64) -> ([u64; 4], u64) {
+        let standing_for = |axis: usize, index: i64| standing_for(index, size[axis].into(), mode);
+        let byte = |column: u64, row: u64| {
+            if column == NONE || row == NONE { NONE } else { (column + row * u64::from(size[0])) * element }
+        };
+        let [columns, rows] =
+            [0, 1].map(|axis| [0, 1].map(|next| standing_for(axis, self.bilinear[axis].index + next)));
+        let [column, row] = [0, 1].map(|axis| standing_for(axis, self.point[axis].index));
+        ([0, 1, 2, 3].map(|texel| byte(columns[texel & 1], rows[texel >> 1])), byte(column, row))
+    }
 }
 
 fn address_mode<C: Chip>(chip: &C, work: &Work<'_>, mode: AddressMode) -> Option<Tally> {
-    const PIECE: i64 = 1 << 14;
+    const PIECE: i64 = 1 << 16;
     const PIECES: i64 = (1 << 32) / PIECE;
     let units = SIZES.map(|(size, bits)| {
         let surface = Surface::new(PyramidKind::Sat, Layout::RowMajor, Format::L8, size[0], size[1])
@@ -146,31 +143,39 @@ fn address_mode<C: Chip>(chip: &C, work: &Work<'_>, mode: AddressMode) -> Option
         let begin = pieces[number] * PIECE - (1 << 31);
         let mut tally = Tally::default();
         for (size, bits, unit, element) in &units {
-            let width = u64::from(size[0]);
-            let mut expected = Both::at(begin, *size, mode);
-            for coordinate in begin..begin + PIECE {
-                let tap = chip.bilinear(unit, coordinate, coordinate);
-                let point = chip.point(unit, 0, coordinate, coordinate);
-                let [columns, rows] = expected.pair;
-                let mut right = true;
-                for (number, &address) in tap.address.iter().enumerate() {
-                    let texel = byte([columns[number & 1], rows[number >> 1]], width);
-                    right &= if texel == NONE { is_outside(address) } else { address == texel * element };
+            let shift = TURN.ilog2() - u32::from(*bits);
+            let mut expected = Both::at(begin, *size);
+            let mut coordinate = begin;
+            while coordinate < begin + PIECE {
+                // As far as the texels are the same only the fractions change: that loop has no branch.
+                let steps = expected.left().min(begin + PIECE - coordinate);
+                let (four, one) = expected.addresses(*size, mode, *element);
+                let [within_u, within_v] = expected.bilinear.map(|walk| walk.within);
+                let [side_u, side_v] = size.map(i64::from);
+                let is_wrong = |step: i64| {
+                    let tap = chip.bilinear(unit, coordinate + step, coordinate + step);
+                    let point = chip.point(unit, 0, coordinate + step, coordinate + step);
+                    let seen = |address: u64| if is_outside(address) { NONE } else { address };
+                    let mut wrong = seen(point.address[0]) ^ one;
+                    for (address, expected) in tap.address.into_iter().zip(four) {
+                        wrong |= seen(address) ^ expected;
+                    }
+                    wrong |= u64::from(tap.fraction[0]) ^ ((within_u + step * side_u) >> shift) as u64;
+                    wrong |= u64::from(tap.fraction[1]) ^ ((within_v + step * side_v) >> shift) as u64;
+                    wrong != 0
+                };
+                let wrong: u64 = (0..steps).map(|step| u64::from(is_wrong(step))).sum();
+                tally.compared += steps as u64;
+                tally.mismatches += wrong;
+                if wrong > 0 && tally.first.is_none() {
+                    tally.first = (0..steps).find(|step| is_wrong(*step)).map(|step| {
+                        let at = coordinate + step;
+                        let (tap, point) = (chip.bilinear(unit, at, at), chip.point(unit, 0, at, at));
+                        format!("coordinate {at} on {size:?}: {tap:?} and {point:?} instead of {four:?} and {one}")
+                    });
                 }
-                let texel = byte(expected.texel, width);
-                let address = point.address[0];
-                right &= if texel == NONE { is_outside(address) } else { address == texel * element };
-                for axis in 0..2 {
-                    let fraction = expected.bilinear[axis].within / (TURN >> bits);
-                    right &= i64::from(tap.fraction[axis]) == fraction;
-                }
-                tally.count(right, || {
-                    format!(
-                        "coordinate {coordinate} on {size:?}: {tap:?} and {point:?} instead of texels {:?} and {:?}",
-                        expected.pair, expected.texel
-                    )
-                });
-                expected.step();
+                expected.walk(steps);
+                coordinate += steps;
             }
         }
         tally
@@ -178,37 +183,56 @@ fn address_mode<C: Chip>(chip: &C, work: &Work<'_>, mode: AddressMode) -> Option
 }
 
 fn convert<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
-    let modes: Vec<AddressMode> = AddressMode::ALL.iter().map(|(_, mode)| *mode).collect();
+    use AddressMode::{Clamp, Clip, Mirror, Wrap};
     work.over(512, |block| {
         let mut tally = Tally::default();
         for mantissa in
             (0..1u32 << 23).step_by(if work.quick { 8191 } else { 1 }).chain(work.quick.then_some((1 << 23) - 1))
         {
             let bits = (block as u32) << 23 | mantissa;
-            for &mode in &modes {
+            let expected = Fixed::of(f32::from_bits(bits));
+            let of_mode = |mode: AddressMode| {
                 let found = chip.convert(bits, mode);
-                let expected = fixed(f32::from_bits(bits), mode);
-                let found = (found.value.to_bits(), found.undefined);
-                tally.count(found == expected, || {
-                    format!("{bits:#010X} under {}: {found:?} instead of {expected:?}", mode.name())
+                (found.value.to_bits(), found.undefined)
+            };
+            let mut compare = |mode: AddressMode, expected: (i32, bool)| {
+                tally.count(of_mode(mode) == expected, || {
+                    format!("{bits:#010X} under {}: {:?} instead of {expected:?}", mode.name(), of_mode(mode))
                 });
-            }
+            };
+            compare(Wrap, expected.periodic);
+            compare(Mirror, expected.periodic);
+            compare(Clamp, expected.saturated);
+            compare(Clip, expected.saturated);
         }
         tally
     })
 }
 
-/// Section 1.1. Twenty bits more are exact in f64, and so is its floor.
-#[inline]
-fn fixed(x: f32, mode: AddressMode) -> (i32, bool) {
-    let units = (f64::from(x) * TURN as f64).floor();
-    let periodic = matches!(mode, AddressMode::Wrap | AddressMode::Mirror);
-    if x.is_nan() || periodic && x.is_infinite() {
-        (0, true)
-    } else if periodic {
-        // A float of 24 bits that reaches 2^62 has nothing below bit 32.
-        (if units.abs() < 4.6e18 { units as i64 as i32 } else { 0 }, false)
-    } else {
-        (units.clamp(f64::from(i32::MIN), f64::from(i32::MAX)) as i32, false)
+/// Section 1.1 for one float: coordinate and whether it is undefined.
+struct Fixed {
+    periodic: (i32, bool),
+    saturated: (i32, bool),
+}
+
+impl Fixed {
+    /// Twenty bits more are exact in f64.
+    #[inline]
+    fn of(x: f32) -> Self {
+        if !x.is_finite() {
+            let end = if x > 0.0 { i32::MAX } else { i32::MIN };
+            return Self { periodic: (0, true), saturated: if x.is_nan() { (0, true) } else { (end, false) } };
+        }
+        let units = f64::from(x) * TURN as f64;
+        if units.abs() < 4.6e18 {
+            // Towards zero, then one less if that was up: the floor.
+            let towards_zero = units as i64;
+            let floor = towards_zero - i64::from(towards_zero as f64 > units);
+            let saturated = floor.clamp(i32::MIN.into(), i32::MAX.into());
+            Self { periodic: (floor as i32, false), saturated: (saturated as i32, false) }
+        } else {
+            // A float of 24 bits that reaches 2^62 has nothing below bit 32.
+            Self { periodic: (0, false), saturated: (if units > 0.0 { i32::MAX } else { i32::MIN }, false) }
+        }
     }
 }

@@ -14,8 +14,11 @@ use crate::names::Named;
 /// Signs times exponent fields.
 const BLOCKS: usize = 512;
 
-/// A prime: in a quick proof only so many mantissas of a segment count, and its first and last.
+/// Where not all mantissas of a segment count, its first and last do and, between them, every so manieth: primes, so that no bit stays.
 const STRIDE: usize = 8191;
+
+/// The stride of the proof through the whole unit: every pattern goes through its log2 unit in the proofs of the rungs.
+const UNIT_STRIDE: usize = 31;
 
 pub(super) fn proofs<C: Chip>() -> Vec<Proof<C>> {
     let rung = |&(name, log2): &(&str, Log2)| {
@@ -33,40 +36,58 @@ pub(super) fn proofs<C: Chip>() -> Vec<Proof<C>> {
     ));
     proofs.push(Proof::new(
         "lod-unit",
-        "the whole unit, trilinear on a chain of 13 levels: level and texel of every f32 bit pattern as the ratio of a request",
+        "the whole unit, trilinear on a chain of 13 levels: level and texel where every run of equal levels begins and ends, and of every 31st f32 bit pattern, as the ratio of a request",
         whole_unit,
     ));
     proofs
 }
 
-/// The mantissas of a segment that are compared.
-fn chosen(segment: Segment, quick: bool) -> impl Iterator<Item = u32> {
+/// The first and last mantissas of a segment, and every so manieth between them.
+fn chosen(segment: Segment, stride: usize) -> impl Iterator<Item = u32> {
     let Segment { start, end, .. } = segment;
-    let last = (quick && !((end - 1 - start) as usize).is_multiple_of(STRIDE)).then_some(end - 1);
-    (start..end).step_by(if quick { STRIDE } else { 1 }).chain(last)
+    let last = (!((end - 1 - start) as usize).is_multiple_of(stride)).then_some(end - 1);
+    (start..end).step_by(stride).chain(last)
+}
+
+/// Inputs whose answer is another than the expected one, counted without a branch: the loops of this file run thousands of millions of
+/// times, and this form of them becomes vector instructions.
+#[inline]
+fn wrong(inputs: impl Iterator<Item = u32>, right: impl Fn(u32) -> bool) -> u64 {
+    inputs.map(|input| u64::from(!right(input))).sum()
+}
+
+/// [`wrong`] for the log2 units, each with a loop of its own: the choice between them is made once and not for every pattern.
+macro_rules! wrong_levels {
+    ($chip:expr, $log2:expr, $inputs:expr, $value:expr, $($rung:ident),*) => {
+        match $log2 { $(Log2::$rung => wrong($inputs, |bits| $chip.raw_level(bits, Log2::$rung) == $value)),* }
+    };
 }
 
 fn log2_unit<C: Chip>(chip: &C, work: &Work<'_>, log2: Log2) -> Option<Tally> {
     let answers = Answers::of(log2);
     work.over(BLOCKS, |block| {
         let mut tally = Tally::default();
+        let sign_and_exponent = (block as u32) << 23;
         for segment in answers.of_block(block as u32) {
-            let right = |mantissa: u32| chip.raw_level((block as u32) << 23 | mantissa, log2) == segment.value;
-            // Counted without a branch: this loop runs 4 thousand million times.
-            let (compared, wrong) = if work.quick {
-                chosen(segment, true)
-                    .fold((0, 0), |(all, wrong), mantissa| (all + 1, wrong + u64::from(!right(mantissa))))
+            let Segment { start, end, value } = segment;
+            let wrong = if work.quick {
+                wrong(chosen(segment, STRIDE), |mantissa| chip.raw_level(sign_and_exponent | mantissa, log2) == value)
             } else {
-                let wrong: u64 = (segment.start..segment.end).map(|mantissa| u64::from(!right(mantissa))).sum();
-                (u64::from(segment.end - segment.start), wrong)
+                let all = (start..end).map(|mantissa| sign_and_exponent | mantissa);
+                wrong_levels!(
+                    chip, log2, all, value, Exact, Table128, Table64, Table16, Quadratic, Fourth, Herf, HerfPlain,
+                    Ilog2
+                )
             };
-            tally.compared += compared;
+            tally.compared += if work.quick { chosen(segment, STRIDE).count() as u64 } else { u64::from(end - start) };
             tally.mismatches += wrong;
             if wrong > 0 && tally.first.is_none() {
-                tally.first = chosen(segment, work.quick).find(|&mantissa| !right(mantissa)).map(|mantissa| {
-                    let bits = (block as u32) << 23 | mantissa;
-                    format!("{bits:#010X}: {} instead of {}", chip.raw_level(bits, log2), segment.value)
-                });
+                let level = |mantissa| chip.raw_level(sign_and_exponent | mantissa, log2);
+                tally.first = chosen(segment, if work.quick { STRIDE } else { 1 })
+                    .find(|&mantissa| level(mantissa) != value)
+                    .map(|mantissa| {
+                        format!("{:#010X}: {} instead of {value}", sign_and_exponent | mantissa, level(mantissa))
+                    });
             }
         }
         tally
@@ -85,15 +106,14 @@ fn selections() -> [(Sampler, u8); 4] {
     ]
 }
 
-/// The rules that make a whole level, with what each adds before the floor.
-const WHOLE: [(LevelRounding, i64); 3] =
-    [(LevelRounding::Floor, 0), (LevelRounding::Nearest, 128), (LevelRounding::Gl, 127)];
+/// What the rules that make a whole level add before the floor: floor, nearest, GL.
+const ADDED: [i64; 3] = [0, 128, 127];
 
 /// What becomes of a level within the limits: at the width of the fraction, and whole by each rule.
 fn rounded(level: i64, last: i64, bits: u8) -> ([i32; 3], i32) {
     let step = 256 / (1 << bits);
     let fractional = last.min((2 * level + step).div_euclid(2 * step) * step);
-    (WHOLE.map(|(_, added)| (level + added).div_euclid(256).min(last / 256) as i32), fractional as i32)
+    (ADDED.map(|added| (level + added).div_euclid(256).min(last / 256) as i32), fractional as i32)
 }
 
 fn select<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
@@ -111,20 +131,34 @@ fn select<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
         for (sampler, range, answers) in &ranges {
             let end = answers.len() as i64 - 1;
             let [low, high] = [i64::from(sampler.min_lod.max(0)), i64::from(sampler.max_lod).min(end)];
-            for raw in begin..begin + PIECE {
+            let limited = |raw: i64| {
                 let biased = (raw + i64::from(sampler.bias)).clamp(i32::MIN.into(), i32::MAX.into());
-                let (whole, fractional) = answers[biased.max(low).min(high) as usize];
-                let raw = raw as i32;
-                let mut right = chip.fractional(range, raw) == fractional;
-                for ((rounding, _), whole) in WHOLE.into_iter().zip(whole) {
-                    right &= chip.whole(range, raw, rounding) == whole;
-                }
-                tally.count(right, || {
-                    format!(
-                        "raw level {raw} with {sampler:?}: {} instead of {fractional}, or a whole level",
-                        chip.fractional(range, raw)
-                    )
+                biased.max(low).min(high)
+            };
+            let mut raw = begin;
+            while raw < begin + PIECE {
+                let level = limited(raw);
+                // Most pieces have one level from end to end: limiting keeps the order.
+                let next = if limited(begin + PIECE - 1) == level { begin + PIECE } else { raw + 1 };
+                let ([floor, nearest, gl], fractional) = answers[level as usize];
+                let right = |raw: i32| {
+                    (chip.fractional(range, raw) == fractional)
+                        & (chip.whole(range, raw, LevelRounding::Floor) == floor)
+                        & (chip.whole(range, raw, LevelRounding::Nearest) == nearest)
+                        & (chip.whole(range, raw, LevelRounding::Gl) == gl)
+                };
+                let wrong = wrong((0..(next - raw) as u32).map(|step| (raw as u32).wrapping_add(step)), |raw| {
+                    right(raw as i32)
                 });
+                tally.compared += (next - raw) as u64;
+                tally.mismatches += wrong;
+                if wrong > 0 && tally.first.is_none() {
+                    tally.first = (raw..next).find(|raw| !right(*raw as i32)).map(|raw| {
+                        let found = chip.fractional(range, raw as i32);
+                        format!("raw level {raw} with {sampler:?}: {found} instead of {fractional}, or a whole level")
+                    });
+                }
+                raw = next;
             }
         }
         tally
@@ -146,8 +180,8 @@ fn whole_unit<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
     let sampler = Sampler { filter: Filter::Trilinear, lod_source: LodSource::Gradient, ..Sampler::default() };
     let bound = Bound { sampler, surface: &surface, bytes: &bytes };
     let answers = Answers::of(sampler.log2);
-    // Pieces of 1/16 of a block: 2^19 requests.
-    const PARTS: u32 = 16;
+    // Pieces of a quarter of a block.
+    const PARTS: u32 = 4;
     work.over(BLOCKS * PARTS as usize, |piece| {
         let (block, part) = (piece as u32 / PARTS, piece as u32 % PARTS);
         let within = part * (MANTISSAS / PARTS)..(part + 1) * (MANTISSAS / PARTS);
@@ -178,7 +212,7 @@ fn whole_unit<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
             let (whole, blur) = (level / 256, level % 256);
             let grey = (GREY * (256 * whole + blur) + 128) / 256;
             let response = Response { texel: [grey as u8; 4], lod: [level as u16; 2] };
-            for mantissa in chosen(part, work.quick) {
+            for mantissa in chosen(part, if work.quick { STRIDE } else { UNIT_STRIDE }) {
                 requests.push(Request { scale: [block << 23 | mantissa, 0], ..Request::default() });
                 expected.push(response);
                 if requests.len() == 4096 {

@@ -133,32 +133,33 @@ fn lerp_unit<C: Chip>(chip: &C, work: &Work<'_>) -> Option<Tally> {
 /// Coordinate units in one repeat.
 const TURN: i64 = 1 << 20;
 
-/// A position on an axis of `size` texels under clamp, by division: two texels and the fraction.
+/// A position on an axis of `size` texels under clamp: two texels and the fraction.
 fn place(coordinate: i64, size: i64, bits: u32) -> ([usize; 2], i64) {
     let position = coordinate * size - TURN / 2;
     let lower = position.div_euclid(TURN);
-    let fraction = position.rem_euclid(TURN) / (TURN >> bits);
+    let fraction = position.rem_euclid(TURN) >> (TURN.ilog2() - bits);
     ([lower, lower + 1].map(|index| index.clamp(0, size - 1) as usize), fraction)
 }
 
-/// Section 6, one channel of one tap: with one rounding to come the exact sum in units of 2^-2b; else the value.
-fn tap(plane: &[Texel], size: i64, at: [i64; 2], bits: u32, rounding: Rounding, channel: usize) -> i64 {
+/// Section 6, the channels of one tap: with one rounding to come the exact sums in units of 2^-2b; else the values. Shifts of i64 are
+/// divisions that floor.
+fn tap(plane: &[Texel], size: i64, at: [i64; 2], bits: u32, rounding: Rounding) -> [i64; 4] {
     let ([i0, i1], f) = place(at[0], size, bits);
     let ([j0, j1], g) = place(at[1], size, bits);
-    let texel = |i: usize, j: usize| i64::from(plane[j * size as usize + i][channel]);
-    let one = 1i64 << bits;
-    match rounding {
-        Rounding::Once => {
-            let top = one * texel(i0, j0) + f * (texel(i1, j0) - texel(i0, j0));
-            let bottom = one * texel(i0, j1) + f * (texel(i1, j1) - texel(i0, j1));
-            one * top + g * (bottom - top)
+    let texel = |i: usize, j: usize| plane[j * size as usize + i].map(i64::from);
+    let four = [texel(i0, j0), texel(i1, j0), texel(i0, j1), texel(i1, j1)];
+    std::array::from_fn(|channel| {
+        let [a, b, c, d] = four.map(|texel| texel[channel]);
+        if rounding == Rounding::Once {
+            let top = (a << bits) + f * (b - a);
+            let bottom = (c << bits) + f * (d - c);
+            (top << bits) + g * (bottom - top)
+        } else {
+            let half = if rounding == Rounding::StagedRound { (1 << bits) >> 1 } else { 0 };
+            let between = |a: i64, b: i64, fraction: i64| ((a << bits) + (b - a) * fraction + half) >> bits;
+            between(between(a, b, f), between(c, d, f), g)
         }
-        staged => {
-            let half = if staged == Rounding::StagedRound { one / 2 } else { 0 };
-            let between = |a: i64, b: i64, fraction: i64| (one * a + (b - a) * fraction + half).div_euclid(one);
-            between(between(texel(i0, j0), texel(i1, j0), f), between(texel(i0, j1), texel(i1, j1), f), g)
-        }
-    }
+    })
 }
 
 /// A texture and what is known of it beforehand: its least and largest value, and whether it rises along u, in each channel.
@@ -258,15 +259,15 @@ fn weights<C: Chip>(chip: &C, work: &Work<'_>, trilinear: bool) -> Option<Tally>
                     let mut before = [0; 4];
                     for (request, response) in requests.iter().zip(ask(chip, &mut unit, &requests)) {
                         let at = [request.u, request.v].map(|c| i64::from(c.to_bits()));
+                        let tap = |level: usize| tap(&subject.levels[level], subject.side >> level, at, bits, rounding);
+                        let near = tap(0);
+                        let far = if trilinear { tap(1) } else { near };
                         let mut right = true;
                         for (channel, &value) in response.texel.iter().enumerate() {
-                            let tap = |level: usize| {
-                                tap(&subject.levels[level], subject.side >> level, at, bits, rounding, channel)
-                            };
                             let exact = if trilinear {
-                                blend(tap(0), tap(1), blur.into(), bits, rounding)
+                                blend(near[channel], far[channel], blur.into(), bits, rounding)
                             } else {
-                                whole(tap(0), bits, rounding)
+                                whole(near[channel], bits, rounding)
                             };
                             right &= i64::from(value) == exact
                                 && (subject.least[channel]..=subject.largest[channel]).contains(&value)
@@ -290,13 +291,12 @@ fn weights<C: Chip>(chip: &C, work: &Work<'_>, trilinear: bool) -> Option<Tally>
 
 /// One tap of weight one.
 fn whole(tap: i64, bits: u32, rounding: Rounding) -> i64 {
-    let unit = 1i64 << (2 * bits);
-    if rounding == Rounding::Once { (tap + unit / 2).div_euclid(unit) } else { tap }
+    if rounding == Rounding::Once { (tap + (1 << (2 * bits) >> 1)) >> (2 * bits) } else { tap }
 }
 
 /// Two taps of 256ths.
 fn blend(near: i64, far: i64, blur: i64, bits: u32, rounding: Rounding) -> i64 {
-    let unit = if rounding == Rounding::Once { 256i64 << (2 * bits) } else { 256 };
-    let half = if rounding == Rounding::StagedTruncate { 0 } else { unit / 2 };
-    (256 * near + (far - near) * blur + half).div_euclid(unit)
+    let below = if rounding == Rounding::Once { 8 + 2 * bits } else { 8 };
+    let half = if rounding == Rounding::StagedTruncate { 0 } else { 1 << (below - 1) };
+    (256 * near + (far - near) * blur + half) >> below
 }
