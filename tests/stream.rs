@@ -495,7 +495,7 @@ mod gltf {
     #[test]
     fn a_base_colour_without_a_texture_is_one_texel_of_its_srgb_code() {
         let folder = tempfile::tempdir().unwrap();
-        // 0.21404114 is code 127.5 / 255; alpha is no code.
+        // 0.2159 is code 128 of 255 (IEC 61966-2-1); alpha is no code.
         let plain =
             with("/materials/0", json!({ "pbrMetallicRoughness": { "baseColorFactor": [1.0, 0.2159, 0.0, 0.5] } }));
         let mesh = load(folder.path(), &plain).unwrap();
@@ -536,7 +536,14 @@ mod gltf {
             (with("/accessors/2/count", json!(0)), "no triangle"),
             (with("/accessors/2/componentType", json!(5126)), "accessors[2]"),
             (with("/accessors/2/type", json!("MAT4")), "accessors[2]"),
-            (with("/accessors/2/bufferView", json!(0)), "of 4 corners"),
+            // The floats of the positions, read as indices.
+            (
+                with(
+                    "/accessors/2",
+                    json!({ "bufferView": 0, "byteOffset": 12, "componentType": 5123, "count": 6, "type": "SCALAR" }),
+                ),
+                "of 4 corners",
+            ),
             (with("/bufferViews/0/byteLength", huge.clone()), "bufferViews[0]"),
             (with("/bufferViews/1/byteOffset", huge.clone()), "bufferViews[1]"),
             (with("/buffers/0/byteLength", huge), "buffers[0]"),
