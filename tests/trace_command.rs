@@ -145,7 +145,7 @@ fn a_trace_exports_the_reads_it_counts() {
 fn the_texture_memory_of_a_trace_holds_at_each_address_the_texel_that_was_answered() {
     let folder = folder();
     let at = folder.path();
-    good(&texunit(at, &["trace", "record", "small.toml", "-f", "point", "--every", "7", "-o", "a.trace"]));
+    good(&texunit(at, &["trace", "record", "small.toml", "-f", "point", "--every", "3", "-o", "a.trace"]));
     good(&texunit(at, &["trace", "memory", "a.trace", "-o", "a.memory"]));
     let memory = fs::read_to_string(at.join("a.memory")).unwrap();
     let (head, words): (Vec<&str>, Vec<&str>) = memory.lines().partition(|line| line.starts_with("//"));
