@@ -266,8 +266,9 @@ macro_rules! with_engine {
     };
 }
 
-mod tap_lookups;
-pub(crate) use tap_lookups::TapObserver;
+mod runs;
+pub(crate) use runs::{Run, RunObserver};
+use runs::{SetOf, Splitter};
 
 impl Cache {
     /// An empty cache.
@@ -278,8 +279,8 @@ impl Cache {
         geometry.check()?;
         let (sets, ways) = (geometry.sets as usize, geometry.ways as usize);
         let engine = match (policy, ways) {
-            // The one shape in which every number is a line of the set, so that none can stand for an empty way.
-            (Policy::Lru, _) if sets == 1 && geometry.line == 1 => {
+            // Small lines, whose numbers are too large for the others.
+            (Policy::Lru, _) if !RecencyTags::<1>::suits(geometry.sets, geometry.line) => {
                 Engine::Lru(Tags::new(sets, ways, RecencyList::new(sets, ways)))
             }
             (Policy::Lru, 1) => Engine::Lru1(RecencyTags::new(sets)),
@@ -310,8 +311,7 @@ impl Cache {
     #[inline]
     pub fn access(&mut self, address: u64) -> Outcome {
         let line = self.geometry.line_number(address);
-        let sets = u64::from(self.geometry.sets);
-        let set = (if sets.is_power_of_two() { line & (sets - 1) } else { line % sets }) as usize;
+        let set = SetOf::new(self.geometry).set(line);
         let outcome = with_engine!(&mut self.engine, tags => tags.access(set, line));
         self.lookups += 1;
         self.misses += u64::from(!outcome.is_hit());

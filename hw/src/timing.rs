@@ -26,7 +26,7 @@ use alloc::vec::Vec;
 
 use crate::{
     address::{Footprint, is_outside},
-    cache::{TapObserver, TexelCache},
+    cache::TexelCache,
     unit::{Batch, Sink},
 };
 use banks::Banks;
@@ -233,7 +233,7 @@ impl<O: TimingObserver> Timing<O> {
 
     /// Looks up one more tap, address by address.
     fn look_up(&mut self, plane: usize, addresses: &[u64]) {
-        self.reads.tap(plane as u16, addresses.len() as u64);
+        self.reads.tap();
         self.cache.read_observed(plane, addresses, &mut self.reads);
     }
 

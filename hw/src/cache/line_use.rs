@@ -62,45 +62,44 @@ impl LineUse {
         (self.left + resident) << self.texel_shift
     }
 
+    /// Whether one word holds the marks of a line.
+    pub(super) const fn is_narrow(&self) -> bool {
+        self.words == 1
+    }
+
     /// The marks, laid open once for many lookups.
     #[inline(always)]
-    pub(super) fn marks(&mut self) -> Marks<'_> {
-        let Self { texel_shift, texel_mask, words, .. } = *self;
-        Marks { texel_shift, texel_mask, words, marks: self.marks.as_raw_mut_slice(), left: &mut self.left }
+    pub(super) fn marks<const NARROW: bool>(&mut self) -> Marks<'_, NARROW> {
+        debug_assert!(self.words == 1 || !NARROW);
+        Marks { words: self.words, marks: self.marks.as_raw_mut_slice(), left: &mut self.left }
     }
 }
 
-/// The marks of a [`LineUse`] as words.
-pub(super) struct Marks<'a> {
-    texel_shift: u32,
-    texel_mask: u64,
+/// The marks of a [`LineUse`] as words, one a slot for certain if `NARROW`.
+pub(super) struct Marks<'a, const NARROW: bool> {
     words: usize,
     marks: &'a mut [u64],
     left: &'a mut u64,
 }
 
-impl Marks<'_> {
-    /// Marks texels of one line, which is where `outcome` says.
+impl<const NARROW: bool> Marks<'_, NARROW> {
+    /// Marks texels of the line in `slot`: a bit each where a line has at most 64, else the number of one.
     #[inline(always)]
-    pub(super) fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], outcome: Outcome) {
-        let slot = outcome.slot() as usize;
-        if matches!(outcome, Outcome::Miss { evicted: Some(_), .. }) {
-            self.refill(slot);
+    pub(super) fn hit(&mut self, texels: u64, slot: u32) {
+        if NARROW || self.words == 1 {
+            self.marks[slot as usize] |= texels;
+        } else {
+            self.marks[slot as usize * self.words + (texels / 64) as usize] |= 1 << (texels % 64);
         }
-        self.again(addresses, slot);
     }
 
-    /// The same for a line that is in `slot`.
+    /// The same of a line that has just come to `slot`.
     #[inline(always)]
-    pub(super) fn again<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], slot: usize) {
-        let texels = addresses.map(|address| address >> self.texel_shift & self.texel_mask);
-        if self.words == 1 {
-            self.marks[slot] |= texels.iter().fold(0, |marks, texel| marks | 1 << texel);
-        } else {
-            for texel in texels {
-                self.marks[slot * self.words + (texel / 64) as usize] |= 1 << (texel % 64);
-            }
+    pub(super) fn miss(&mut self, texels: u64, slot: u32, evicted: Option<u64>) {
+        if evicted.is_some() {
+            self.refill(slot as usize);
         }
+        self.hit(texels, slot);
     }
 
     #[inline(never)]
@@ -115,6 +114,11 @@ impl Marks<'_> {
 impl Observer for LineUse {
     #[inline(always)]
     fn lookup(&mut self, address: u64, _: u64, outcome: Outcome) {
-        self.marks().run(&[address], outcome);
+        let number = address >> self.texel_shift & self.texel_mask;
+        let texels = if self.words == 1 { 1 << number } else { number };
+        match outcome {
+            Outcome::Hit { slot } => self.marks::<false>().hit(texels, slot),
+            Outcome::Miss { slot, evicted } => self.marks::<false>().miss(texels, slot, evicted),
+        }
     }
 }

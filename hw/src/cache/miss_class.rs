@@ -80,15 +80,23 @@ impl MissClassifier {
     pub fn classify(&mut self, line: u64, outcome: Outcome) -> Option<MissClass> {
         match outcome {
             Outcome::Hit { slot } => {
-                self.shadow.hit(line, slot as usize);
+                self.hit(line, slot);
                 None
             }
-            Outcome::Miss { slot, .. } => Some(self.classify_miss(line, slot as usize)),
+            Outcome::Miss { slot, .. } => Some(self.miss(line, slot)),
         }
     }
 
+    /// Takes note of a hit.
+    #[inline(always)]
+    pub(super) fn hit(&mut self, line: u64, slot: u32) {
+        self.shadow.hit(line, slot as usize);
+    }
+
+    /// Takes note of a miss, and says of which class.
     #[inline(never)]
-    fn classify_miss(&mut self, line: u64, slot: usize) -> MissClass {
+    pub(super) fn miss(&mut self, line: u64, slot: u32) -> MissClass {
+        let slot = slot as usize;
         let class = if self.shadow.miss(line, slot) {
             MissClass::Conflict
         } else if self.seen.insert(line) {

@@ -10,79 +10,58 @@ const NONE: u32 = u32::MAX;
 /// A fully associative LRU cache with as many lines as the real one and shown the same lookups.
 ///
 /// Keeping a list of its lines in order of use costs more than the real cache itself. But nobody looks at that order until a
-/// line must leave. So a hit in the real cache only notes the time, in the slot where the real cache holds the line, and
-/// lines are sorted by it when a victim is wanted and the last sorting is used up. Lines of that sorting that were used since
-/// are skipped: they are newer than all that were not. Every line in a sorting takes at least one lookup to use up,
-/// so the cost per lookup is at most that of sorting one line, log2(lines) steps.
+/// line must leave. So a use only writes the line's place at the end of a log, and its index in the log at the place. When a victim is
+/// wanted, the log is read on from where it was left: an entry counts if the place still has its index, else the line was used
+/// since. Every entry is read once; when the log is full, what no longer counts is dropped.
 #[derive(Clone, Debug)]
 pub(super) struct Shadow {
-    /// Lookups so far: the time.
-    now: u64,
-    /// For each slot of the real cache, what is known of its line.
-    slots: Vec<Slot>,
-    /// Lines of this cache by place.
+    /// Places as they were used.
+    log: Vec<u32>,
+    /// Where the next entry goes, and the first that has not been read.
+    next: usize,
+    first: usize,
+    /// For each slot of the real cache the place of its line, or `NONE` where that has been thrown out here but not there.
+    slots: Vec<u32>,
+    /// Lines of this cache by place, where the log has their last use, and the slots of the real cache they are in, or `NONE`.
     lines: Vec<u64>,
-    /// What is known of them.
-    places: Vec<Place>,
+    used: Vec<u32>,
+    slot_of: Vec<u32>,
     index: LineIndex,
     /// Places filled, the lowest ones.
     filled: usize,
-    /// Time of use and place, from old to new, as they were at the last sorting.
-    sorted: Vec<(u64, u32)>,
-    /// How many of these are used up.
-    used_up: usize,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Slot {
-    /// When its line was last used.
-    used: u64,
-    /// Where the line is here; `NONE` where it has been thrown out here but not there.
-    place: u32,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    /// When its line was last used, if the real cache has it no more.
-    used: u64,
-    /// Where the real cache has it, or `NONE`.
-    slot: u32,
 }
 
 impl Shadow {
     pub(super) fn new(lines: usize) -> Self {
         Self {
-            now: 0,
-            slots: vec![Slot { used: 0, place: NONE }; lines],
+            // Long enough that dropping, which costs as much as there are lines, is rare; short enough for the host's cache.
+            log: vec![NONE; (8 * lines).max(64)],
+            next: 0,
+            first: 0,
+            slots: vec![NONE; lines],
             lines: vec![0; lines],
-            places: vec![Place { used: 0, slot: NONE }; lines],
+            used: vec![NONE; lines],
+            slot_of: vec![NONE; lines],
             index: LineIndex::new(lines),
             filled: 0,
-            sorted: Vec::new(),
-            used_up: 0,
         }
     }
 
     /// The real cache hit in this slot.
     #[inline(always)]
     pub(super) fn hit(&mut self, line: u64, slot: usize) {
-        self.now += 1;
-        let state = &mut self.slots[slot];
-        state.used = self.now;
-        if state.place == NONE {
-            self.fill(line, slot);
+        match self.slots[slot] {
+            NONE => self.fill(line, slot),
+            place => self.touch(place),
         }
     }
 
     /// The real cache missed and has put the line into this slot; the answer is whether it is here.
     #[inline(always)]
     pub(super) fn miss(&mut self, line: u64, slot: usize) -> bool {
-        self.now += 1;
-        let former = self.slots[slot];
-        if let Some(place) = self.places.get_mut(former.place as usize) {
-            *place = Place { used: former.used, slot: NONE };
+        if let Some(slot) = self.slot_of.get_mut(self.slots[slot] as usize) {
+            *slot = NONE;
         }
-        self.slots[slot].used = self.now;
         let here = self.index.find(line, &self.lines);
         match here {
             Some(place) => self.link(place, slot),
@@ -91,10 +70,24 @@ impl Shadow {
         here.is_some()
     }
 
+    /// Notes the use of a line.
+    #[inline(always)]
+    fn touch(&mut self, place: u32) {
+        if self.next == self.log.len() {
+            self.drop_used();
+        }
+        if let (Some(entry), Some(used)) = (self.log.get_mut(self.next), self.used.get_mut(place as usize)) {
+            (*entry, *used) = (place, self.next as u32);
+            self.next += 1;
+        }
+    }
+
+    /// Notes the use of a line that the real cache has in `slot`.
     #[inline(always)]
     fn link(&mut self, place: u32, slot: usize) {
-        self.slots[slot].place = place;
-        self.places[place as usize].slot = slot as u32;
+        self.slots[slot] = place;
+        self.slot_of[place as usize] = slot as u32;
+        self.touch(place);
     }
 
     /// Brings in a line that the real cache has in `slot`.
@@ -106,8 +99,8 @@ impl Shadow {
         } else {
             let place = self.oldest();
             self.index.remove(self.lines[place as usize], place);
-            if let Some(slot) = self.slots.get_mut(self.places[place as usize].slot as usize) {
-                slot.place = NONE;
+            if let Some(place) = self.slots.get_mut(self.slot_of[place as usize] as usize) {
+                *place = NONE;
             }
             place
         };
@@ -116,32 +109,31 @@ impl Shadow {
         self.link(place, slot);
     }
 
-    #[inline(always)]
-    fn used(&self, place: u32) -> u64 {
-        let Place { used, slot } = self.places[place as usize];
-        self.slots.get(slot as usize).map_or(used, |slot| slot.used)
-    }
-
-    /// The place of the line not used for longest.
+    /// The place of the line not used for longest, which there is.
     #[inline(always)]
     fn oldest(&mut self) -> u32 {
         loop {
-            while let Some(&(used, place)) = self.sorted.get(self.used_up) {
-                self.used_up += 1;
-                if self.used(place) == used {
-                    return place;
-                }
+            let place = self.log[self.first];
+            self.first += 1;
+            if self.used[place as usize] as usize == self.first - 1 {
+                return place;
             }
-            self.sort();
         }
     }
 
+    /// Drops what does not count from a full log.
     #[cold]
-    fn sort(&mut self) {
-        let mut sorted = core::mem::take(&mut self.sorted);
-        sorted.clear();
-        sorted.extend((0..self.lines.len() as u32).map(|place| (self.used(place), place)));
-        sorted.sort_unstable();
-        (self.sorted, self.used_up) = (sorted, 0);
+    fn drop_used(&mut self) {
+        let mut kept = 0;
+        for number in self.first..self.log.len() {
+            let place = self.log[number];
+            let Some(used) = self.used.get_mut(place as usize) else { continue };
+            if *used as usize == number {
+                *used = kept as u32;
+                self.log[kept] = place;
+                kept += 1;
+            }
+        }
+        (self.first, self.next) = (0, kept);
     }
 }

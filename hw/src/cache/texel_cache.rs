@@ -2,11 +2,14 @@
 
 use alloc::{vec, vec::Vec};
 
-use crate::unit::{Batch, Requests, Sink};
+use crate::{
+    address::Footprint,
+    unit::{Batch, Sink},
+};
 
 use super::{
     Cache, Counters, Geometry, GeometryError, LineUse, Marks, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
-    TapObserver,
+    Run, RunObserver, Splitter,
 };
 
 /// Which of the dearer counters to keep. What is not kept costs nothing and reads 0.
@@ -43,6 +46,7 @@ impl Default for Detail {
 pub struct TexelCache {
     cache: Cache,
     texel: u32,
+    splitter: Splitter,
     meter: Meter,
     planes: Vec<PlaneCounters>,
 }
@@ -61,13 +65,9 @@ struct Fills {
     fetched: u64,
 }
 
-impl Meter {
-    /// Counts what a miss took from memory, where that is not a line.
-    #[inline(always)]
-    fn fill(&mut self, line: u64, outcome: Outcome) {
-        if let (Some(fills), false) = (&mut self.fills, outcome.is_hit()) {
-            fills.fetched += u64::from(fills.by_line.get(line as usize).copied().unwrap_or(0));
-        }
+impl Fills {
+    fn fill(&mut self, line: u64) {
+        self.fetched += u64::from(self.by_line.get(line as usize).copied().unwrap_or(0));
     }
 }
 
@@ -86,7 +86,9 @@ impl Observer for PlaneMeter<'_> {
         if let Some(class) = self.meter.classifier.as_mut().and_then(|classifier| classifier.classify(line, outcome)) {
             self.row.classes.count(class);
         }
-        self.meter.fill(line, outcome);
+        if let (Some(fills), false) = (&mut self.meter.fills, outcome.is_hit()) {
+            fills.fill(line);
+        }
         self.row.misses += u64::from(!outcome.is_hit());
     }
 }
@@ -112,7 +114,7 @@ impl TexelCache {
         let line_use = LineUse::new(geometry, texel)?;
         let classifier = if detail.classes { Some(MissClassifier::new(geometry)?) } else { None };
         let meter = Meter { classifier, line_use: detail.line_use.then_some(line_use), fills: None };
-        Ok(Self { cache, texel, meter, planes: vec![] })
+        Ok(Self { cache, texel, splitter: Splitter::new(geometry, policy, texel), meter, planes: vec![] })
     }
 
     /// Has memory behind a decompressor: filling a line fetches as many bytes as its number's entry says, not a line of them
@@ -210,24 +212,22 @@ impl TexelCache {
 impl TexelCache {
     /// Reads the taps of a batch, of a layout that keeps a texel together, with someone watching.
     #[inline]
-    pub(crate) fn take_observed(&mut self, batch: Batch<'_>, observer: &mut impl TapObserver) {
+    pub(crate) fn take_observed(&mut self, batch: Batch<'_>, observer: &mut impl RunObserver) {
         let planes = batch.surface.planes.len();
         if self.planes.len() < planes {
             self.planes.resize(planes, PlaneCounters::default());
         }
         let planes = &mut self.planes[..];
-        let each = match batch.requests {
-            Requests::Each(taps) => Some(taps),
-            Requests::Ends(_) => None,
-        };
+        let (runs, lookups) = self.splitter.split(batch, planes);
+        let taps = batch.taps;
         match &mut self.meter {
-            Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } => {
-                let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, plane: 0 };
-                self.cache.access_taps(batch.taps, batch.texels_per_tap, each, &mut (watch, observer));
+            Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } if line_use.is_narrow() => {
+                let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, taps };
+                self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
             meter => {
-                let watch = &mut TapWatch { meter, planes, plane: 0 };
-                self.cache.access_taps(batch.taps, batch.texels_per_tap, each, &mut (watch, observer));
+                let watch = &mut SomeWatch { meter, planes, taps };
+                self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
         }
     }
@@ -249,61 +249,58 @@ impl Sink for TexelCache {
 /// Every counter, without asking each time which are wanted.
 struct FullWatch<'a> {
     classifier: &'a mut MissClassifier,
-    marks: Marks<'a>,
+    marks: Marks<'a, true>,
     planes: &'a mut [PlaneCounters],
-    plane: usize,
+    taps: &'a [Footprint],
 }
 
-impl TapObserver for FullWatch<'_> {
+impl RunObserver for FullWatch<'_> {
     #[inline(always)]
-    fn tap(&mut self, plane: u16, texels: u64) {
-        self.plane = plane.into();
-        self.planes[self.plane].lookups += texels;
+    fn hit(&mut self, run: &Run, slot: u32) {
+        self.marks.hit(run.texels, slot);
+        self.classifier.hit(run.line, slot);
     }
 
     #[inline(always)]
-    fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome) {
-        self.marks.run(addresses, outcome);
-        if let Some(class) = self.classifier.classify(line, outcome) {
-            let row = &mut self.planes[self.plane];
-            row.classes.count(class);
-            row.misses += 1;
-        }
-    }
-
-    #[inline(always)]
-    fn again<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], _: u64, slot: u32) {
-        self.marks.again(addresses, slot as usize);
+    fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>) {
+        self.marks.miss(run.texels, slot, evicted);
+        let class = self.classifier.miss(run.line, slot);
+        let row = &mut self.planes[usize::from(self.taps[run.tap as usize].plane)];
+        row.classes.count(class);
+        row.misses += 1;
     }
 }
 
 /// Some counters.
-struct TapWatch<'a> {
+struct SomeWatch<'a> {
     meter: &'a mut Meter,
     planes: &'a mut [PlaneCounters],
-    plane: usize,
+    taps: &'a [Footprint],
 }
 
-impl TapObserver for TapWatch<'_> {
+impl RunObserver for SomeWatch<'_> {
     #[inline(always)]
-    fn tap(&mut self, plane: u16, texels: u64) {
-        self.plane = plane.into();
-        self.planes[self.plane].lookups += texels;
-    }
-
-    #[inline(always)]
-    fn run<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], line: u64, outcome: Outcome) {
-        let row = &mut self.planes[self.plane];
-        PlaneMeter { meter: self.meter, row }.lookup(addresses[0], line, outcome);
+    fn hit(&mut self, run: &Run, slot: u32) {
         if let Some(line_use) = &mut self.meter.line_use {
-            line_use.marks().again(addresses, outcome.slot() as usize);
+            line_use.marks::<false>().hit(run.texels, slot);
+        }
+        if let Some(classifier) = &mut self.meter.classifier {
+            classifier.hit(run.line, slot);
         }
     }
 
     #[inline(always)]
-    fn again<const TEXELS: usize>(&mut self, addresses: &[u64; TEXELS], _: u64, slot: u32) {
+    fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>) {
         if let Some(line_use) = &mut self.meter.line_use {
-            line_use.marks().again(addresses, slot as usize);
+            line_use.marks::<false>().miss(run.texels, slot, evicted);
         }
+        let row = &mut self.planes[usize::from(self.taps[run.tap as usize].plane)];
+        if let Some(classifier) = &mut self.meter.classifier {
+            row.classes.count(classifier.miss(run.line, slot));
+        }
+        if let Some(fills) = &mut self.meter.fills {
+            fills.fill(run.line);
+        }
+        row.misses += 1;
     }
 }

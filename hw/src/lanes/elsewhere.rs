@@ -47,3 +47,32 @@ impl<'m> Lanes<'m> {
         match self.none {}
     }
 }
+
+/// Nor of this.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RunLanes(core::convert::Infallible);
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RunShape {
+    pub(crate) line_shift: u32,
+    pub(crate) texel_shift: u32,
+    pub(crate) set_mask: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct EightRuns {
+    pub(crate) line: [[u32; 8]; 2],
+    pub(crate) texels: [[u32; 8]; 2],
+    pub(crate) pairs: u32,
+    pub(crate) others: u32,
+}
+
+impl RunLanes {
+    pub(crate) fn detect() -> Option<Self> {
+        None
+    }
+
+    pub(crate) fn find(self, _: &[Footprint; 8], _: RunShape, _: &mut EightRuns) -> bool {
+        match self.0 {}
+    }
+}

@@ -22,7 +22,13 @@ fn corners(m: Avx2, taps: &[Footprint; LANES]) -> [__m256i; 4] {
         let high = _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(a, b));
         _mm256_castsi256_ps(_mm256_or_si256(_mm256_srli_epi32::<2>(low), high))
     };
-    let pairs = [pair(0), pair(2), pair(4), pair(6)];
+    columns([pair(0), pair(2), pair(4), pair(6)])
+}
+
+/// Words of four corners of eight taps, from those of taps two by two: a register a corner.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(super) fn columns(pairs: [__m256; 4]) -> [__m256i; 4] {
     let [left, right] = [
         [
             _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(pairs[0], pairs[1])),

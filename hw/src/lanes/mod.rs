@@ -18,6 +18,8 @@ mod machine;
 #[cfg(target_arch = "x86_64")]
 mod room;
 #[cfg(target_arch = "x86_64")]
+mod runs;
+#[cfg(target_arch = "x86_64")]
 mod unit;
 
 #[cfg(not(target_arch = "x86_64"))]
@@ -25,6 +27,10 @@ mod elsewhere;
 #[cfg(not(target_arch = "x86_64"))]
 use elsewhere as unit;
 
+#[cfg(not(target_arch = "x86_64"))]
+use elsewhere as runs;
+
+pub(crate) use runs::{EightRuns, RunLanes, RunShape};
 pub(crate) use unit::Lanes;
 
 /// Requests, or taps, at a time.

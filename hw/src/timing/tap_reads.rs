@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use crate::cache::{Observer, Outcome, TapObserver};
+use crate::cache::{Observer, Outcome, Run, RunObserver};
 
 /// Most reads of a tap: four texels, three channels apart.
 pub(super) const READS_MAX: usize = 12;
@@ -32,12 +32,28 @@ impl TapReads {
     /// The accesses of a tap.
     #[inline(always)]
     pub(super) fn of_tap(&self, tap: usize) -> core::ops::Range<usize> {
-        self.begins[tap]..self.begins.get(tap + 1).copied().unwrap_or(self.accesses.len())
+        let begin = |tap| self.begins.get(tap).copied().unwrap_or(self.accesses.len());
+        begin(tap)..begin(tap + 1)
+    }
+
+    /// The next reads are of the next tap.
+    #[inline(always)]
+    pub(super) fn tap(&mut self) {
+        self.begins.push(self.accesses.len());
     }
 
     #[inline(always)]
     pub(super) fn access(&self, number: usize) -> Access {
         self.accesses[number]
+    }
+
+    /// The texels of a run after the first hit the line the first accessed.
+    #[inline(always)]
+    fn run(&mut self, run: &Run, outcome: Outcome) {
+        while self.begins.len() <= run.tap as usize {
+            self.tap();
+        }
+        self.read(run.line, outcome);
     }
 
     #[inline(always)]
@@ -50,21 +66,15 @@ impl TapReads {
     }
 }
 
-impl TapObserver for TapReads {
+impl RunObserver for TapReads {
     #[inline(always)]
-    fn tap(&mut self, _: u16, _: u64) {
-        self.begins.push(self.accesses.len());
-    }
-
-    /// The texels of a run after the first hit the line the first accessed.
-    #[inline(always)]
-    fn run<const TEXELS: usize>(&mut self, _: &[u64; TEXELS], line: u64, outcome: Outcome) {
-        self.read(line, outcome);
+    fn hit(&mut self, run: &Run, slot: u32) {
+        self.run(run, Outcome::Hit { slot });
     }
 
     #[inline(always)]
-    fn again<const TEXELS: usize>(&mut self, _: &[u64; TEXELS], line: u64, slot: u32) {
-        self.read(line, Outcome::Hit { slot });
+    fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>) {
+        self.run(run, Outcome::Miss { slot, evicted });
     }
 }
 

@@ -9,7 +9,11 @@ use core::{arch::x86_64::*, mem::offset_of};
 
 use alloc::vec::Vec;
 
-use super::{footprints, kernel::Kernel};
+use super::{
+    LANES, footprints,
+    kernel::Kernel,
+    runs::{self, EightRuns, RunShape},
+};
 use crate::{
     address::Footprint,
     datapath::Texel,
@@ -57,6 +61,13 @@ impl Avx2 {
     ) {
         // SAFETY: as above.
         unsafe { footprints::filter(self, texels, taps, ends, weight_bits, answer) }
+    }
+
+    /// [`runs::find`] in code compiled for AVX2.
+    #[inline(always)]
+    pub(super) fn find_runs(self, taps: &[Footprint; LANES], shape: RunShape, runs: &mut EightRuns) -> bool {
+        // SAFETY: as above.
+        unsafe { runs::find(self, taps, shape, runs) }
     }
 }
 
@@ -111,7 +122,7 @@ impl Table {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Texels<'m> {
     bytes: &'m [u8],
-    /// Index of the last whole texel, below 2^31.
+    /// Index of the last whole texel, below 2^30: its address is a number of 32 bits, which is what lanes look at.
     last: i32,
 }
 
@@ -119,7 +130,7 @@ impl<'m> Texels<'m> {
     /// The texels of a memory, if their number is right.
     pub(super) fn new(bytes: &'m [u8]) -> Option<Self> {
         let count = bytes.len() / 4;
-        (1..1 << 31).contains(&count).then(|| Self { bytes, last: (count - 1) as i32 })
+        (1..=1 << 30).contains(&count).then(|| Self { bytes, last: (count - 1) as i32 })
     }
 
     /// Where they are, and the index of the last.
@@ -168,6 +179,13 @@ impl Avx2 {
             _mm256_storeu_si256(to, addresses);
             _mm_storeu_si128(to.add(1).cast(), rest);
         }
+    }
+
+    /// The words of a register.
+    #[inline(always)]
+    pub(super) fn words(self, register: __m256i) -> [u32; LANES] {
+        // SAFETY: both are 32 bytes, of which any bits are a value.
+        unsafe { core::mem::transmute(register) }
     }
 
     /// Four words as words of 64 bits.

@@ -1,0 +1,222 @@
+//! The texel reads of a batch as runs: texels of a tap in one line are looked up once, and no outcome changes.
+//!
+//! The second and later texels of a line hit whatever the policy, and change no order. Taps are divided into runs in a loop of its
+//! own, which asks nothing of the cache, so that it needs no branch that a host could guess wrong; the lookups are the next loop.
+
+use alloc::vec::Vec;
+
+use super::{Cache, Engine, Geometry, Outcome, PlaneCounters, Policy};
+use crate::{
+    address::{Footprint, is_outside},
+    lanes::{EightRuns, RunLanes, RunShape},
+    unit::Batch,
+};
+
+/// Texels of a tap that lie in one line. The first decides; the others hit.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Run {
+    /// Number of the line.
+    pub(crate) line: u64,
+    /// Which texels of it, a bit each, where a line has at most 64; else the number of the one texel.
+    pub(super) texels: u64,
+    /// Number of the tap in its batch.
+    pub(crate) tap: u32,
+}
+
+/// What watches a cache that is read run by run.
+pub(crate) trait RunObserver {
+    /// A run was read, and its line was there.
+    fn hit(&mut self, run: &Run, slot: u32);
+    /// A run was read, and its line was not there; `evicted` is the line that had to leave.
+    fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>);
+}
+
+impl RunObserver for () {
+    #[inline(always)]
+    fn hit(&mut self, _: &Run, _: u32) {}
+    #[inline(always)]
+    fn miss(&mut self, _: &Run, _: u32, _: Option<u64>) {}
+}
+
+/// One after the other.
+impl<A: RunObserver, B: RunObserver> RunObserver for (&mut A, &mut B) {
+    #[inline(always)]
+    fn hit(&mut self, run: &Run, slot: u32) {
+        self.0.hit(run, slot);
+        self.1.hit(run, slot);
+    }
+    #[inline(always)]
+    fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>) {
+        self.0.miss(run, slot, evicted);
+        self.1.miss(run, slot, evicted);
+    }
+}
+
+/// Which set a line is in.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SetOf {
+    sets: u64,
+    /// Sets less one where they are a power of two; else all ones.
+    mask: u64,
+}
+
+impl SetOf {
+    pub(super) fn new(geometry: Geometry) -> Self {
+        let sets = u64::from(geometry.sets);
+        Self { sets, mask: if sets.is_power_of_two() { sets - 1 } else { u64::MAX } }
+    }
+
+    #[inline(always)]
+    pub(super) fn set(self, line: u64) -> usize {
+        (if self.mask == u64::MAX { line % self.sets } else { line & self.mask }) as usize
+    }
+}
+
+/// Divides taps into runs.
+#[derive(Clone, Debug)]
+pub(super) struct Splitter {
+    line_shift: u32,
+    texel_shift: u32,
+    /// Texels of a line, less one.
+    texel_mask: u64,
+    set_of: SetOf,
+    /// A line just used is not the next victim, unless it is the only one of its set.
+    protects: bool,
+    lanes: Option<(RunLanes, RunShape)>,
+    runs: Vec<Run>,
+}
+
+impl Splitter {
+    pub(super) fn new(geometry: Geometry, policy: Policy, texel: u32) -> Self {
+        let (line_shift, texel_shift) = (geometry.line.trailing_zeros(), texel.trailing_zeros());
+        let protects = geometry.ways > 1 && matches!(policy, Policy::Lru | Policy::Plru);
+        let set_mask = if protects { None } else { Some(geometry.sets.wrapping_sub(1)) };
+        let shape = RunShape { line_shift, texel_shift, set_mask };
+        let suits = geometry.line / texel <= 32 && (protects || geometry.sets.is_power_of_two());
+        Self {
+            line_shift,
+            texel_shift,
+            texel_mask: u64::from(geometry.line / texel - 1),
+            set_of: SetOf::new(geometry),
+            protects,
+            lanes: RunLanes::detect().filter(|_| suits).map(|lanes| (lanes, shape)),
+            runs: Vec::new(),
+        }
+    }
+
+    /// The runs of a batch, and the number of texels read; `planes` counts those of each plane.
+    pub(super) fn split(&mut self, batch: Batch<'_>, planes: &mut [PlaneCounters]) -> (&[Run], u64) {
+        // One place more than there can be runs, for a tap writes two whether it has them or not.
+        let most = 4 * batch.taps.len() + 1;
+        if self.runs.len() < most {
+            self.runs.resize(most, Run::default());
+        }
+        let mut runs = core::mem::take(&mut self.runs);
+        let whole = batch.texels_per_tap == 4 && self.texel_mask < 64;
+        let (mut count, mut outside) = (0, 0);
+        let mut add = |number: usize, tap: &Footprint, pair: Option<([Run; 2], usize)>| {
+            let read = if let Some((pair, runs_of_tap)) = pair {
+                if let Some(places) = runs[count..].first_chunk_mut() {
+                    *places = pair;
+                }
+                count += runs_of_tap;
+                4
+            } else {
+                let singles = self.one_by_one(number, &tap.address[..batch.texels_per_tap], &mut runs[count..]);
+                count += singles;
+                outside += batch.texels_per_tap - singles;
+                singles
+            };
+            planes[usize::from(tap.plane)].lookups += read as u64;
+        };
+        let (eights, _) = batch.taps.as_chunks();
+        let (mut number, mut found) = (0, EightRuns::default());
+        if let Some((lanes, shape)) = self.lanes.filter(|_| whole) {
+            for taps in eights {
+                if !lanes.find(taps, shape, &mut found) {
+                    break;
+                }
+                for (lane, tap) in taps.iter().enumerate() {
+                    let run = |which: usize| Run {
+                        line: found.line[which][lane].into(),
+                        texels: found.texels[which][lane].into(),
+                        tap: (number + lane) as u32,
+                    };
+                    let pair = ([run(0), run(1)], 1 + (found.pairs >> lane & 1) as usize);
+                    add(number + lane, tap, (found.others >> lane & 1 == 0).then_some(pair));
+                }
+                number += taps.len();
+            }
+        }
+        for (number, tap) in batch.taps.iter().enumerate().skip(number) {
+            add(number, tap, if whole { self.pair(number, tap) } else { None });
+        }
+        let lookups = batch.taps.len() * batch.texels_per_tap - outside;
+        self.runs = runs;
+        (&self.runs[..count], lookups as u64)
+    }
+
+    /// One or two runs that four texels make, and how many; `None` if they make more, or some are outside.
+    fn pair(&self, number: usize, tap: &Footprint) -> Option<([Run; 2], usize)> {
+        let [a, b, c, d] = tap.address;
+        let lines = tap.address.map(|address| address >> self.line_shift);
+        let in_rows = lines[0] == lines[1] && lines[2] == lines[3];
+        // Left, right, left, right: the second round finds and leaves everything as the first left it.
+        let in_columns = lines[0] == lines[2]
+            && lines[1] == lines[3]
+            && (in_rows || self.protects || self.set_of.set(lines[0]) != self.set_of.set(lines[1]));
+        if is_outside(a | b | c | d) || !(in_rows || in_columns) {
+            return None;
+        }
+        let [a, b, c, d] = tap.address.map(|address| 1 << (address >> self.texel_shift & self.texel_mask));
+        let run = |line, texels| Run { line, texels, tap: number as u32 };
+        Some(match (in_rows, in_columns) {
+            (true, true) => ([run(lines[0], a | b | c | d); 2], 1),
+            (true, false) => ([run(lines[0], a | b), run(lines[2], c | d)], 2),
+            _ => ([run(lines[0], a | c), run(lines[1], b | d)], 2),
+        })
+    }
+
+    /// A run for every texel inside the texture; how many.
+    #[inline(never)]
+    fn one_by_one(&self, number: usize, addresses: &[u64], runs: &mut [Run]) -> usize {
+        let mut count = 0;
+        for (&address, run) in addresses.iter().filter(|&&address| !is_outside(address)).zip(runs) {
+            let texel = address >> self.texel_shift & self.texel_mask;
+            let texels = if self.texel_mask < 64 { 1 << texel } else { texel };
+            *run = Run { line: address >> self.line_shift, texels, tap: number as u32 };
+            count += 1;
+        }
+        count
+    }
+}
+
+impl Cache {
+    /// Looks up runs of `lookups` texels in all.
+    #[inline(always)]
+    pub(super) fn access_runs(&mut self, runs: &[Run], lookups: u64, observer: &mut impl RunObserver) {
+        let mut misses = 0;
+        // A loop for each way to find a set, and in it nothing that would keep a host from holding all it needs in registers.
+        macro_rules! access {
+            ($tags:ident, $set:expr) => {
+                for run in runs {
+                    match $tags.access($set(run.line) as usize, run.line) {
+                        Outcome::Hit { slot } => observer.hit(run, slot),
+                        Outcome::Miss { slot, evicted } => {
+                            misses += 1;
+                            observer.miss(run, slot, evicted);
+                        }
+                    }
+                }
+            };
+        }
+        let SetOf { sets, mask } = SetOf::new(self.geometry);
+        with_engine!(&mut self.engine, tags => if mask == u64::MAX {
+            access!(tags, |line| line % sets)
+        } else {
+            access!(tags, |line| line & mask)
+        });
+        self.lookups += lookups;
+        self.misses += misses;
+    }
+}

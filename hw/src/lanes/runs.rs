@@ -1,0 +1,92 @@
+//! Taps divided into runs of texels of one line (see `cache::runs`), eight taps at a time.
+
+use core::arch::x86_64::*;
+
+use super::{LANES, footprints::columns, room::Avx2};
+use crate::address::Footprint;
+
+/// How lines and texels follow from addresses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RunShape {
+    /// Bits of an address within a line, and within a texel.
+    pub(crate) line_shift: u32,
+    pub(crate) texel_shift: u32,
+    /// Of a line's number, its set; `None` where a line just used is not the next victim in any case.
+    pub(crate) set_mask: Option<u32>,
+}
+
+/// The runs of eight taps.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct EightRuns {
+    /// Line of the first run of each tap, and of the second.
+    pub(crate) line: [[u32; LANES]; 2],
+    /// Texels of these lines, a bit each.
+    pub(crate) texels: [[u32; LANES]; 2],
+    /// Taps with a second run, a bit each.
+    pub(crate) pairs: u32,
+    /// Taps whose four texels make other runs than these, a bit each.
+    pub(crate) others: u32,
+}
+
+/// Divides taps, on machines that can.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RunLanes(Avx2);
+
+impl RunLanes {
+    pub(crate) fn detect() -> Option<Self> {
+        Avx2::detect().map(Self)
+    }
+
+    /// Finds the runs of taps in lines of at most 32 texels; false if an address is beyond 32 bits.
+    #[inline(always)]
+    pub(crate) fn find(self, taps: &[Footprint; LANES], shape: RunShape, runs: &mut EightRuns) -> bool {
+        self.0.find_runs(taps, shape, runs)
+    }
+}
+
+/// [`RunLanes::find`].
+#[target_feature(enable = "avx2")]
+pub(super) fn find(m: Avx2, taps: &[Footprint; LANES], shape: RunShape, runs: &mut EightRuns) -> bool {
+    let addresses: [__m256i; LANES] = [0, 1, 2, 3, 4, 5, 6, 7].map(|number| m.load_addresses(&taps[number]));
+    let [a, b, c, d, e, f, g, h] = addresses;
+    let any = |x, y| _mm256_or_si256(x, y);
+    let high = any(any(any(a, b), any(c, d)), any(any(e, f), any(g, h)));
+    if _mm256_testz_si256(high, _mm256_set1_epi64x(!0xFFFF_FFFF)) == 0 {
+        return false;
+    }
+    let low = |x, y| _mm256_shuffle_ps::<0b10_00_10_00>(_mm256_castsi256_ps(x), _mm256_castsi256_ps(y));
+    let corners = columns([low(a, b), low(c, d), low(e, f), low(g, h)]);
+    let line_shift = _mm_cvtsi32_si128(shape.line_shift as i32);
+    let texel_shift = _mm_cvtsi32_si128(shape.texel_shift as i32);
+    let in_line = _mm256_set1_epi32((1 << (shape.line_shift - shape.texel_shift)) - 1);
+    let one = _mm256_set1_epi32(1);
+    let shifted = |x, by| _mm256_srl_epi32(x, by);
+    let [lines, marks] = {
+        let [a, b, c, d] = corners;
+        let mark = |x| _mm256_sllv_epi32(one, _mm256_and_si256(shifted(x, texel_shift), in_line));
+        [
+            [shifted(a, line_shift), shifted(b, line_shift), shifted(c, line_shift), shifted(d, line_shift)],
+            [mark(a), mark(b), mark(c), mark(d)],
+        ]
+    };
+    let same = |x: usize, y: usize| _mm256_cmpeq_epi32(lines[x], lines[y]);
+    let both = |x, y| _mm256_and_si256(x, y);
+    let rows = both(same(0, 1), same(2, 3));
+    let mut columns = both(same(0, 2), same(1, 3));
+    if let Some(mask) = shape.set_mask {
+        let mask = _mm256_set1_epi32(mask as i32);
+        let one_set = _mm256_cmpeq_epi32(both(lines[0], mask), both(lines[1], mask));
+        // Texels of one line are of one run whatever the set.
+        columns = _mm256_andnot_si256(_mm256_andnot_si256(rows, one_set), columns);
+    }
+    let all = both(rows, columns);
+    let [a, b, c, d] = marks;
+    let first = any(any(a, both(b, rows)), any(both(c, columns), both(d, all)));
+    let second = any(d, _mm256_blendv_epi8(b, c, rows));
+    runs.line = [m.words(lines[0]), m.words(_mm256_blendv_epi8(lines[1], lines[2], rows))];
+    runs.texels = [m.words(first), m.words(second)];
+    let lanes = |x| _mm256_movemask_ps(_mm256_castsi256_ps(x)) as u32;
+    runs.pairs = lanes(all) ^ 0xFF;
+    runs.others = lanes(any(rows, columns)) ^ 0xFF;
+    true
+}
