@@ -11,7 +11,9 @@ mod dram;
 mod events;
 mod memory;
 mod miss_status;
+mod misses;
 mod parameters;
+mod pipeline;
 mod queue;
 mod tap_reads;
 
@@ -27,15 +29,14 @@ use alloc::vec::Vec;
 use crate::{
     address::{Footprint, is_outside},
     cache::TexelCache,
+    lanes::BankLanes,
     unit::{Batch, Sink},
 };
-use banks::Banks;
 use counters::Spread;
-use data_banks::DataBanks;
-use memory::Memory;
-use miss_status::MissStatus;
-use queue::{Fifo, Ledger, Width};
-use tap_reads::{Access, READS_MAX, TapReads};
+use misses::Misses;
+use pipeline::{Beside, Pipeline, Taps};
+use queue::{Fifo, Ledger};
+use tap_reads::TapReads;
 
 /// Why a timing model cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,82 +80,21 @@ pub struct Timing<O = ()> {
     line_shift: u32,
     /// Clocks of writing one line into the banks.
     line_write: u64,
-    memory: Memory,
+    /// Whether the machine does one thing a clock.
+    single: bool,
+    pipeline: Pipeline,
+    misses: Misses,
     observer: O,
-
-    entry: Width,
-    lod: Width,
-    sequencer: Width,
-    /// Taps by the clock they finish in.
-    tag: Width,
-    data: Width,
-    result: Width,
-    request_fifo: Fifo,
-    lod_fifo: Fifo,
-    tap_fifo: Fifo,
-    fragment_fifo: Fifo,
-    result_fifo: Fifo,
-    miss_queue: Fifo,
-    reorder_buffer: Fifo,
-    miss_status: MissStatus,
-    tag_banks: Banks,
-    data_banks: DataBanks,
-    /// In blocking mode, the first clock the next access can be made in.
-    unblocked: u64,
-
-    /// Accesses of the tap at hand, and the clocks of those that missed.
-    reads: TapReads,
-    miss_clocks: [u64; READS_MAX],
-
-    ledgers: Ledgers,
-    counters: TimingCounters,
     planes: Vec<PlaneTiming>,
     histograms: Histograms,
-    request_latency: Spread,
-    fill_latency: Spread,
-}
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Ledgers {
-    lod: Ledger,
-    sequencer: Ledger,
-    tag: Ledger,
-    miss_port: Ledger,
-    data: Ledger,
-}
-
-/// A request on its way through the front end.
-#[derive(Clone, Copy, Debug)]
-struct Started {
-    entry: u64,
-    lod: u64,
-    /// First clock its taps can be issued in.
-    ready: u64,
-}
-
-/// A tap that has been timed, as far as its request needs to know.
-#[derive(Clone, Copy, Debug)]
-struct Timed {
-    issue: u64,
-    data: u64,
-    datapath: u64,
-}
-
-/// The planes of one request, counted without an allocation: a filter reads few.
-#[derive(Clone, Copy, Debug, Default)]
-struct PlanesRead {
-    seen: [usize; 8],
-    count: usize,
-}
-
-impl PlanesRead {
-    #[inline(always)]
-    fn add(&mut self, plane: usize) {
-        if self.count < self.seen.len() && !self.seen[..self.count].contains(&plane) {
-            self.seen[self.count] = plane;
-            self.count += 1;
-        }
-    }
+    /// What the cache made of the taps at hand.
+    reads: TapReads,
+    /// Their addresses, where they are not those of footprints.
+    gathered: Gathered,
+    bank_lanes: Option<BankLanes>,
+    /// Eight taps of the batch a byte: whether their words are known to lie in different banks.
+    apart: Vec<u8>,
 }
 
 impl<O: TimingObserver> Timing<O> {
@@ -173,6 +113,7 @@ impl<O: TimingObserver> Timing<O> {
         parameters.check(reads_per_tap, cache.bytes_per_read()).map_err(TimingBuildError::Timing)?;
         memory.check(geometry.line).map_err(TimingBuildError::Timing)?;
         let p = *parameters;
+        let in_order = p.data_hash == BankHash::Low;
         Ok(Self {
             parameters: p,
             line_shift: geometry.line.trailing_zeros(),
@@ -180,33 +121,16 @@ impl<O: TimingObserver> Timing<O> {
                 0 => 0,
                 bytes => geometry.line.div_ceil(bytes).into(),
             },
-            memory: Memory::new(memory, geometry.line).map_err(TimingBuildError::SecondLevel)?,
+            single: Pipeline::is_single(&p),
+            pipeline: Pipeline::new(&p),
+            misses: Misses::new(&p, memory, geometry)?,
             observer,
-            entry: Width::new(p.pixel_pipes),
-            lod: Width::new(p.pixel_pipes),
-            sequencer: Width::new(p.taps_per_clock),
-            tag: Width::new(p.taps_per_clock),
-            data: Width::new(p.taps_per_clock),
-            result: Width::new(p.pixel_pipes),
-            request_fifo: Fifo::new(p.request_fifo),
-            lod_fifo: Fifo::new(p.lod_fifo),
-            tap_fifo: Fifo::new(p.tap_fifo),
-            fragment_fifo: Fifo::new(p.fragment_fifo),
-            result_fifo: Fifo::new(p.result_fifo),
-            miss_queue: Fifo::new(p.miss_queue),
-            reorder_buffer: Fifo::new(p.reorder_buffer),
-            miss_status: MissStatus::new(p.miss_status, p.merges, geometry.lines() as usize),
-            tag_banks: Banks::new(p.tag_banks, p.tag_ports, p.tag_hash),
-            data_banks: DataBanks::new(&p),
-            unblocked: 0,
-            reads: TapReads::default(),
-            miss_clocks: [0; READS_MAX],
-            ledgers: Ledgers::default(),
-            counters: TimingCounters::default(),
             planes: Vec::new(),
             histograms: Histograms::default(),
-            request_latency: Spread::default(),
-            fill_latency: Spread::default(),
+            reads: TapReads::default(),
+            gathered: Gathered::default(),
+            bank_lanes: BankLanes::new(p.data_bank_bytes.trailing_zeros(), p.data_banks).filter(|_| in_order),
+            apart: Vec::new(),
             cache,
         })
     }
@@ -216,238 +140,70 @@ impl<O: TimingObserver> Timing<O> {
     /// # Panics
     /// If a tap has more reads than the machine was built for, or than any tap has.
     pub fn request<'a>(&mut self, taps: impl IntoIterator<Item = (usize, &'a [u64])>) {
-        let request = self.start();
-        let (mut planes, mut count, mut last) = (PlanesRead::default(), 0, None);
-        let mut taps = taps.into_iter().peekable();
-        while let Some((plane, addresses)) = taps.next() {
-            planes.add(plane);
-            count += 1;
-            self.reads.clear();
-            self.look_up(plane, addresses);
-            last = Some(self.tap(&request, plane, addresses, 0, taps.peek().is_none()));
+        let mut gathered = core::mem::take(&mut self.gathered);
+        gathered.clear();
+        for (plane, addresses) in taps {
+            gathered.tap(plane as u16);
+            addresses.iter().for_each(|&address| gathered.read(address));
         }
-        if let Some(last) = last {
-            self.finish(&request, last, count, planes.count);
-        }
+        self.look_up_and_time(core::iter::once(gathered.len()), &gathered);
+        self.gathered = gathered;
     }
 
-    /// Looks up one more tap, address by address.
-    fn look_up(&mut self, plane: usize, addresses: &[u64]) {
-        self.reads.tap();
-        self.cache.read_observed(plane, addresses, &mut self.reads);
+    /// Looks up taps address by address, and times them.
+    fn look_up_and_time(&mut self, taps_of_requests: impl Iterator<Item = usize>, taps: &Gathered) {
+        self.reads.clear();
+        for tap in 0..taps.len() {
+            self.reads.tap();
+            self.cache.read_observed(taps.plane(tap).into(), taps.addresses(tap), &mut self.reads);
+        }
+        self.time(taps_of_requests, taps);
     }
 
-    #[inline(always)]
-    fn start(&mut self) -> Started {
-        let (ledgers, counters) = (&mut self.ledgers, &mut self.counters);
-        let entry = self.entry.take(self.request_fifo.room());
-        let room = self.lod_fifo.room();
-        let lod = self.lod.take(room.max(entry + 1));
-        ledgers.lod.take(entry + 1, room, lod, &mut counters.lod_stall_lod_fifo);
-        self.request_fifo.pass(entry, lod + 1);
-        Started { entry, lod, ready: lod + u64::from(self.parameters.lod_latency) }
-    }
-
-    #[inline(always)]
-    fn finish(&mut self, request: &Started, last: Timed, taps: usize, planes: usize) {
-        let done = last.datapath + u64::from(self.parameters.filter_latency);
-        let result = self.result.take(done);
-        self.lod_fifo.pass(request.lod, last.issue + 1);
-        self.result_fifo.pass(last.data, result + 1);
-
-        self.observer.request(RequestTimes {
-            request: self.counters.requests,
-            entry: request.entry,
-            lod: request.lod,
-            result,
-        });
-        self.counters.requests += 1;
-        self.counters.cycles = result + 1;
-        self.request_latency.add(result - request.entry);
-        self.histograms.taps[taps.min(HISTOGRAM_MAX)] += 1;
-        self.histograms.planes[planes.min(HISTOGRAM_MAX)] += 1;
-        let probes = if planes == 1 { taps } else { taps / planes };
-        self.histograms.anisotropy[probes.min(HISTOGRAM_MAX)] += 1;
-    }
-
-    /// One tap through every unit, `number` among those looked up.
-    #[inline(always)]
-    fn tap(&mut self, request: &Started, plane: usize, addresses: &[u64], number: usize, is_last: bool) -> Timed {
-        if plane >= self.planes.len() {
-            self.planes.resize(plane + 1, PlaneTiming::default());
-        }
-        let Parameters { mode, address_latency, tag_latency, data_latency, .. } = self.parameters;
-
-        // Sequencer and address unit.
-        let room = self.tap_fifo.room();
-        let issue = self.sequencer.take(room.max(request.ready));
-        let stalls = &mut self.counters.sequencer_stall_tap_fifo;
-        self.ledgers.sequencer.take(request.ready, room, issue, stalls);
-
-        // Tag unit.
-        let at_door = issue + u64::from(address_latency);
-        self.ledgers.tag.idle_until(at_door);
-        let room = self.fragment_fifo.room();
-        self.ledgers.tag.stall_until(room, &mut self.counters.tag_stall_fragment_fifo);
-        let tag = self.tag.earliest(at_door.max(room));
-        self.tap_fifo.pass(issue, tag + 1);
-        let accessed = self.access_lines(plane, tag, number);
-        let tag_done = accessed.done;
-        self.tag.count(tag_done);
-
-        // Data banks.
-        let at_door = tag_done + u64::from(tag_latency);
-        let data_ledger = &mut self.ledgers.data;
-        data_ledger.idle_until(at_door);
-        let waited = data_ledger.stall_until(accessed.filled, &mut self.counters.data_stall_fill);
-        let mut ready = at_door.max(accessed.filled);
-        if is_last {
-            let room = self.result_fifo.room();
-            data_ledger.stall_until(room, &mut self.counters.data_stall_result_fifo);
-            ready = ready.max(room);
-        }
-        let mut data = self.data.earliest(ready);
-        let writes = u64::from(accessed.misses) * self.line_write;
-        if writes > 0 && data == self.data.last() {
-            data += 1;
-        }
-        let (data_done, words) = self.data_banks.read(addresses, data + writes);
-        self.counters.data_words += words;
-        self.data.count(data_done);
-        self.ledgers.data.work_through(data_done);
-        self.fragment_fifo.pass(tag, data + 1);
-        if mode == Mode::Prefetching {
-            for &access in &self.miss_clocks[..accessed.misses as usize] {
-                self.reorder_buffer.pass(access, data + 1);
-            }
-        }
-
-        let datapath = data_done + u64::from(data_latency);
-        let counters = &mut self.counters;
-        counters.fill_write_clocks += writes;
-        counters.data_conflict_clocks += data_done - data - writes;
-        let row = &mut self.planes[plane];
-        row.taps += 1;
-        row.reads += addresses.len() as u64;
-        row.stall_wait_read += waited;
-        self.observer.tap(TapTimes {
-            tap: counters.taps,
-            request: counters.requests,
-            plane: plane as u16,
-            issue,
-            tag,
-            tag_done,
-            data,
-            data_done,
-            datapath,
-            misses: accessed.misses,
-        });
-        counters.taps += 1;
-        Timed { issue, data, datapath }
-    }
-
-    /// The line accesses of a tap that entered the tag unit at `tag`.
-    #[inline(always)]
-    fn access_lines(&mut self, plane: usize, tag: u64, number: usize) -> Accessed {
-        let mut accessed = Accessed { done: tag, filled: 0, misses: 0 };
-        let range = self.reads.of_tap(number);
-        let accesses = range.len();
-        for access in range {
-            let Access { line, slot, hit } = self.reads.access(access);
-            let from = accessed.done.max(self.unblocked);
-            self.ledgers.tag.stall_until(from, &mut self.counters.tag_stall_blocked);
-            let bank = self.tag_banks.bank(line);
-            let clock = self.tag_banks.earliest(bank, from);
-            self.counters.tag_bank_conflicts += u64::from(clock > from);
-            let clock =
-                if hit { self.hit(plane, slot, clock) } else { self.miss(plane, line, slot, clock, &mut accessed) };
-            self.tag_banks.take(bank, clock);
-            self.ledgers.tag.work(clock);
-            accessed.done = clock;
-        }
-        if accesses == 0 {
-            self.ledgers.tag.work(tag);
-        }
-        let row = &mut self.planes[plane];
-        row.fetches_ok += accesses as u64 - u64::from(accessed.misses);
-        row.fetches_failed += u64::from(accessed.misses);
-        accessed
-    }
-
-    /// The clock of an access that hits.
-    #[inline(always)]
-    fn hit(&mut self, plane: usize, slot: u32, clock: u64) -> u64 {
-        let filled = self.miss_status.filled(slot);
-        if clock >= filled {
-            return clock;
-        }
-        if self.miss_status.merge(slot) {
-            self.planes[plane].fetches_merged += 1;
-            return clock;
-        }
-        self.ledgers.tag.stall_until(filled, &mut self.counters.tag_stall_merge);
-        filled
-    }
-
-    /// The clock of an access that misses, after everything it sets going.
-    #[inline(never)]
-    fn miss(&mut self, plane: usize, line: u64, slot: u32, mut clock: u64, accessed: &mut Accessed) -> u64 {
-        let (tag, counters) = (&mut self.ledgers.tag, &mut self.counters);
-        let prefetching = self.parameters.mode == Mode::Prefetching;
-        if prefetching {
-            let room = self.reorder_buffer.room_ahead(accessed.misses as usize);
-            tag.stall_until(room, &mut counters.tag_stall_reorder_buffer);
-            let entry = self.miss_status.room(clock.max(room));
-            tag.stall_until(entry, &mut counters.tag_stall_miss_status);
-            clock = clock.max(entry);
-        }
-        let room = self.miss_queue.room();
-        tag.stall_until(room, &mut counters.tag_stall_miss_queue);
-        clock = clock.max(room);
-
-        let address = line << self.line_shift;
-        let at_port = clock + u64::from(self.parameters.tag_latency);
-        let fetch = self.memory.fetch(address, at_port);
-        let port = &mut self.ledgers.miss_port;
-        port.idle_until(at_port);
-        port.stall_until(fetch.taken, &mut counters.miss_port_stall_memory);
-        port.work(fetch.taken);
-        self.miss_queue.pass(clock, fetch.taken + 1);
-        self.miss_status.fill(slot, fetch.filled);
-        if prefetching {
-            self.miss_status.hold(clock, fetch.filled + 1);
+    /// Times taps that have been looked up.
+    fn time(&mut self, taps_of_requests: impl Iterator<Item = usize>, taps: &impl Taps) {
+        let Self { parameters, line_write, line_shift, misses, planes, histograms, observer, reads, .. } = self;
+        let (line_write, line_shift) = (*line_write, *line_shift);
+        let beside = Beside { parameters, line_write, line_shift, misses, planes, histograms, observer };
+        if self.single {
+            self.pipeline.time::<true, O>(taps_of_requests, taps, reads, beside);
         } else {
-            self.unblocked = fetch.filled + 1;
+            self.pipeline.time::<false, O>(taps_of_requests, taps, reads, beside);
         }
-        accessed.filled = accessed.filled.max(fetch.filled);
-        self.miss_clocks[accessed.misses as usize] = clock;
-        accessed.misses += 1;
-
-        self.fill_latency.add(fetch.filled - clock);
-        let row = &mut self.planes[plane];
-        row.fill_latency_sum += fetch.filled - clock;
-        row.second_level_hits += u64::from(fetch.second_level_hit == Some(true));
-        match fetch.row {
-            Some(Row::Hit) => row.row_hits += 1,
-            Some(Row::Miss) => row.row_misses += 1,
-            Some(Row::Conflict) => row.row_conflicts += 1,
-            None => {}
-        }
-        self.observer.fill(FillTimes { tap: counters.taps, plane: plane as u16, address, access: clock, fetch });
-        clock
     }
 
     /// Totals so far.
     #[must_use]
     pub fn counters(&self) -> TimingCounters {
-        let mut c = self.counters;
-        let cycles = c.cycles;
+        let (pipe, misses, counts) = (&self.pipeline, &self.misses, &self.pipeline.counts);
+        let cycles = counts.cycles;
         let sum = |field: fn(&PlaneTiming) -> u64| self.planes.iter().map(field).sum::<u64>();
-        c.reads = sum(|row| row.reads);
-        c.fetches_ok = sum(|row| row.fetches_ok);
-        c.fetches_failed = sum(|row| row.fetches_failed);
+        let mut c = TimingCounters {
+            cycles,
+            requests: counts.requests,
+            taps: counts.taps,
+            reads: sum(|row| row.reads),
+            fetches_ok: sum(|row| row.fetches_ok),
+            fetches_failed: sum(|row| row.fetches_failed),
+            fetches_merged: sum(|row| row.fetches_merged),
+            tag_bank_conflicts: counts.tag_bank_conflicts,
+            data_words: counts.data_words,
+            data_conflict_clocks: counts.data_conflict_clocks,
+            fill_write_clocks: counts.fill_write_clocks,
+            lod_stall_lod_fifo: counts.lod_stall_lod_fifo,
+            sequencer_stall_tap_fifo: counts.sequencer_stall_tap_fifo,
+            tag_stall_fragment_fifo: counts.tag_stall_fragment_fifo,
+            tag_stall_merge: counts.tag_stall_merge,
+            tag_stall_blocked: counts.tag_stall_blocked,
+            tag_stall_reorder_buffer: misses.stalls.reorder_buffer,
+            tag_stall_miss_status: misses.stalls.miss_status,
+            tag_stall_miss_queue: misses.stalls.miss_queue,
+            miss_port_stall_memory: misses.stalls.memory,
+            data_stall_fill: counts.data_stall_fill,
+            data_stall_result_fifo: counts.data_stall_result_fifo,
+            ..TimingCounters::default()
+        };
         c.fetches_skipped = c.reads - c.fetches_ok - c.fetches_failed;
-        c.fetches_merged = sum(|row| row.fetches_merged);
         c.fills = c.fetches_failed;
         c.bytes_filled = c.fills << self.line_shift;
         c.stall_address = c.sequencer_stall_tap_fifo;
@@ -465,38 +221,38 @@ impl<O: TimingObserver> Timing<O> {
         };
         // The requester is never without a request before the last; the datapath takes what the data unit finishes; neither it nor
         // the result is ever held up.
-        c.entry_busy = self.entry.busy();
-        c.entry_idle = cycles - (self.entry.last() + 1).min(cycles);
+        c.entry_busy = pipe.entry.busy();
+        c.entry_idle = cycles - (pipe.entry.last() + 1).min(cycles);
         c.entry_stall_request_fifo = cycles - c.entry_idle - c.entry_busy;
-        (c.datapath_busy, c.datapath_idle) = (self.data.busy(), cycles - self.data.busy());
-        (c.result_busy, c.result_idle) = (self.result.busy(), cycles - self.result.busy());
-        (c.lod_busy, c.lod_idle) = close(self.ledgers.lod);
-        (c.sequencer_busy, c.sequencer_idle) = close(self.ledgers.sequencer);
-        (c.tag_busy, c.tag_idle) = close(self.ledgers.tag);
-        (c.miss_port_busy, c.miss_port_idle) = close(self.ledgers.miss_port);
-        (c.data_busy, c.data_idle) = close(self.ledgers.data);
+        (c.datapath_busy, c.datapath_idle) = (pipe.data.busy(), cycles - pipe.data.busy());
+        (c.result_busy, c.result_idle) = (pipe.result.busy(), cycles - pipe.result.busy());
+        (c.lod_busy, c.lod_idle) = close(pipe.ledgers.lod);
+        (c.sequencer_busy, c.sequencer_idle) = close(pipe.ledgers.sequencer);
+        (c.tag_busy, c.tag_idle) = close(pipe.ledgers.tag);
+        (c.miss_port_busy, c.miss_port_idle) = close(misses.port);
+        (c.data_busy, c.data_idle) = close(pipe.ledgers.data);
 
         let usage = |fifo: &Fifo| (fifo.clocks(), fifo.most());
-        (c.request_fifo_sum, c.request_fifo_max) = usage(&self.request_fifo);
-        (c.lod_fifo_sum, c.lod_fifo_max) = usage(&self.lod_fifo);
-        (c.tap_fifo_sum, c.tap_fifo_max) = usage(&self.tap_fifo);
-        (c.fragment_fifo_sum, c.fragment_fifo_max) = usage(&self.fragment_fifo);
-        (c.result_fifo_sum, c.result_fifo_max) = usage(&self.result_fifo);
-        (c.miss_queue_sum, c.miss_queue_max) = usage(&self.miss_queue);
-        (c.reorder_buffer_sum, c.reorder_buffer_max) = usage(&self.reorder_buffer);
-        (c.miss_status_sum, c.miss_status_max) = self.miss_status.usage();
+        (c.request_fifo_sum, c.request_fifo_max) = usage(&pipe.request_fifo);
+        (c.lod_fifo_sum, c.lod_fifo_max) = usage(&pipe.lod_fifo);
+        (c.tap_fifo_sum, c.tap_fifo_max) = usage(&pipe.tap_fifo);
+        (c.fragment_fifo_sum, c.fragment_fifo_max) = usage(&pipe.fragment_fifo);
+        (c.result_fifo_sum, c.result_fifo_max) = usage(&pipe.result_fifo);
+        (c.miss_queue_sum, c.miss_queue_max) = usage(&misses.miss_queue);
+        (c.reorder_buffer_sum, c.reorder_buffer_max) = usage(&misses.reorder_buffer);
+        (c.miss_status_sum, c.miss_status_max) = misses.status.usage();
 
         let spread = |spread: &Spread| (spread.sum, spread.least(), spread.most);
-        (c.request_latency_sum, c.request_latency_min, c.request_latency_max) = spread(&self.request_latency);
-        (c.fill_latency_sum, c.fill_latency_min, c.fill_latency_max) = spread(&self.fill_latency);
+        (c.request_latency_sum, c.request_latency_min, c.request_latency_max) = spread(&pipe.request_latency);
+        (c.fill_latency_sum, c.fill_latency_min, c.fill_latency_max) = spread(&misses.fill_latency);
 
-        (c.second_level_lookups, c.second_level_hits) = self.memory.second_level();
+        (c.second_level_lookups, c.second_level_hits) = misses.memory.second_level();
         c.second_level_misses = c.second_level_lookups - c.second_level_hits;
-        c.memory_requests = self.memory.requests();
-        c.memory_bytes = self.memory.bytes();
-        c.memory_transfer_clocks = self.memory.transfer_clocks();
-        [c.row_hits, c.row_misses, c.row_conflicts] = self.memory.rows();
-        (c.channel_queue_sum, c.channel_queue_max) = self.memory.queue_use();
+        c.memory_requests = misses.memory.requests();
+        c.memory_bytes = misses.memory.bytes();
+        c.memory_transfer_clocks = misses.memory.transfer_clocks();
+        [c.row_hits, c.row_misses, c.row_conflicts] = misses.memory.rows();
+        (c.channel_queue_sum, c.channel_queue_max) = misses.memory.queue_use();
         c
     }
 
@@ -526,63 +282,97 @@ impl<O: TimingObserver> Timing<O> {
     }
 }
 
-/// What the tag unit made of a tap.
-struct Accessed {
-    /// Clock of the last access.
-    done: u64,
-    /// Clock at which all lines missed are there.
-    filled: u64,
-    misses: u32,
-}
-
 impl<O: TimingObserver> Sink for Timing<O> {
     /// Times the requests of a batch.
     fn take(&mut self, batch: Batch<'_>) {
-        let channels_apart = batch.surface.reads_per_texel() > 1;
-        let mut gathered = [0; READS_MAX];
-        self.reads.clear();
-        if channels_apart {
+        let taps_of_requests = batch.per_request().map(<[Footprint]>::len);
+        let addresses = batch.taps.iter().flat_map(|tap| &tap.address[..batch.texels_per_tap]);
+        if batch.surface.reads_per_texel() > 1 || is_outside(addresses.fold(0, |all, address| all | address)) {
+            let mut gathered = core::mem::take(&mut self.gathered);
+            gathered.clear();
             for tap in batch.taps {
-                let addresses = gather(&batch, tap, channels_apart, &mut gathered);
-                self.look_up(tap.plane.into(), addresses);
+                gathered.tap(tap.plane);
+                Batch { taps: core::slice::from_ref(tap), ..batch }.for_each_read(|_, address| gathered.read(address));
             }
-        } else {
-            self.cache.take_observed(batch, &mut self.reads);
+            self.look_up_and_time(taps_of_requests, &gathered);
+            self.gathered = gathered;
+            return;
         }
-        let mut number = 0;
-        for taps in batch.per_request() {
-            let request = self.start();
-            let (mut planes, mut last) = (PlanesRead::default(), None);
-            for (of_request, tap) in taps.iter().enumerate() {
-                planes.add(tap.plane.into());
-                let addresses = gather(&batch, tap, channels_apart, &mut gathered);
-                let is_last = of_request + 1 == taps.len();
-                last = Some(self.tap(&request, tap.plane.into(), addresses, number, is_last));
-                number += 1;
-            }
-            if let Some(last) = last {
-                self.finish(&request, last, taps.len(), planes.count);
-            }
+        self.reads.clear();
+        self.cache.take_observed(batch, &mut self.reads);
+        let mut apart = core::mem::take(&mut self.apart);
+        apart.clear();
+        if let Some(lanes) = self.bank_lanes.filter(|_| batch.texels_per_tap == 4 && self.single) {
+            apart.extend(batch.taps.as_chunks().0.iter().map(|eight| lanes.apart(eight)));
         }
+        self.time(taps_of_requests, &InPlace { taps: batch.taps, texels: batch.texels_per_tap, apart: &apart });
+        self.apart = apart;
     }
 }
 
-/// The addresses a tap reads, in order: those of the footprint itself where nothing is to be added or left out.
-#[inline(always)]
-fn gather<'a>(
-    batch: &Batch<'_>,
-    tap: &'a Footprint,
-    channels_apart: bool,
-    gathered: &'a mut [u64; READS_MAX],
-) -> &'a [u64] {
-    let addresses = &tap.address[..batch.texels_per_tap];
-    if !channels_apart && !addresses.iter().any(|&address| is_outside(address)) {
-        return addresses;
+/// Taps whose addresses are those of their footprints.
+struct InPlace<'a> {
+    taps: &'a [Footprint],
+    texels: usize,
+    apart: &'a [u8],
+}
+
+impl Taps for InPlace<'_> {
+    #[inline(always)]
+    fn plane(&self, tap: usize) -> u16 {
+        self.taps[tap].plane
     }
-    let mut count = 0;
-    Batch { taps: core::slice::from_ref(tap), ..*batch }.for_each_read(|_, address| {
-        gathered[count] = address;
-        count += 1;
-    });
-    &gathered[..count]
+
+    #[inline(always)]
+    fn addresses(&self, tap: usize) -> &[u64] {
+        &self.taps[tap].address[..self.texels]
+    }
+
+    #[inline(always)]
+    fn apart(&self, tap: usize) -> bool {
+        self.apart.get(tap / 8).is_some_and(|eight| eight >> (tap % 8) & 1 != 0)
+    }
+}
+
+/// Taps whose addresses are written out.
+#[derive(Clone, Debug, Default)]
+struct Gathered {
+    addresses: Vec<u64>,
+    /// Plane of each tap, and where its addresses begin.
+    taps: Vec<(u16, usize)>,
+}
+
+impl Gathered {
+    fn clear(&mut self) {
+        self.addresses.clear();
+        self.taps.clear();
+    }
+
+    /// The next reads are those of a tap on this plane.
+    fn tap(&mut self, plane: u16) {
+        self.taps.push((plane, self.addresses.len()));
+    }
+
+    fn read(&mut self, address: u64) {
+        self.addresses.push(address);
+    }
+
+    fn len(&self) -> usize {
+        self.taps.len()
+    }
+}
+
+impl Taps for Gathered {
+    fn plane(&self, tap: usize) -> u16 {
+        self.taps[tap].0
+    }
+
+    fn addresses(&self, tap: usize) -> &[u64] {
+        let end = self.taps.get(tap + 1).map_or(self.addresses.len(), |&(_, begin)| begin);
+        &self.addresses[self.taps[tap].1..end]
+    }
+
+    fn apart(&self, _: usize) -> bool {
+        false
+    }
 }

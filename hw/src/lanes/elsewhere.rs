@@ -76,3 +76,17 @@ impl RunLanes {
         match self.0 {}
     }
 }
+
+/// Nor of this.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BankLanes(core::convert::Infallible);
+
+impl BankLanes {
+    pub(crate) fn new(_: u32, _: u32) -> Option<Self> {
+        None
+    }
+
+    pub(crate) fn apart(self, _: &[Footprint; 8]) -> u8 {
+        match self.0 {}
+    }
+}

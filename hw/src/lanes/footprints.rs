@@ -25,10 +25,24 @@ fn corners(m: Avx2, taps: &[Footprint; LANES]) -> [__m256i; 4] {
     columns([pair(0), pair(2), pair(4), pair(6)])
 }
 
+/// The addresses of eight taps, a register a corner; none if one is beyond 32 bits.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(super) fn low_words(m: Avx2, taps: &[Footprint; LANES]) -> Option<[__m256i; 4]> {
+    let [a, b, c, d, e, f, g, h] = [0, 1, 2, 3, 4, 5, 6, 7].map(|number| m.load_addresses(&taps[number]));
+    let any = |x, y| _mm256_or_si256(x, y);
+    let high = any(any(any(a, b), any(c, d)), any(any(e, f), any(g, h)));
+    if _mm256_testz_si256(high, _mm256_set1_epi64x(!0xFFFF_FFFF)) == 0 {
+        return None;
+    }
+    let low = |x, y| _mm256_shuffle_ps::<0b10_00_10_00>(_mm256_castsi256_ps(x), _mm256_castsi256_ps(y));
+    Some(columns([low(a, b), low(c, d), low(e, f), low(g, h)]))
+}
+
 /// Words of four corners of eight taps, from those of taps two by two: a register a corner.
 #[inline]
 #[target_feature(enable = "avx2")]
-pub(super) fn columns(pairs: [__m256; 4]) -> [__m256i; 4] {
+fn columns(pairs: [__m256; 4]) -> [__m256i; 4] {
     let [left, right] = [
         [
             _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(pairs[0], pairs[1])),

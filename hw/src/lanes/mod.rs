@@ -6,6 +6,8 @@
 #[cfg(target_arch = "x86_64")]
 mod address;
 #[cfg(target_arch = "x86_64")]
+mod banks;
+#[cfg(target_arch = "x86_64")]
 mod filter;
 #[cfg(target_arch = "x86_64")]
 mod footprints;
@@ -28,8 +30,11 @@ mod elsewhere;
 use elsewhere as unit;
 
 #[cfg(not(target_arch = "x86_64"))]
+use elsewhere as banks;
+#[cfg(not(target_arch = "x86_64"))]
 use elsewhere as runs;
 
+pub(crate) use banks::BankLanes;
 pub(crate) use runs::{EightRuns, RunLanes, RunShape};
 pub(crate) use unit::Lanes;
 

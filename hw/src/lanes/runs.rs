@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::*;
 
-use super::{LANES, footprints::columns, room::Avx2};
+use super::{LANES, footprints::low_words, room::Avx2};
 use crate::address::Footprint;
 
 /// How lines and texels follow from addresses.
@@ -47,15 +47,7 @@ impl RunLanes {
 /// [`RunLanes::find`].
 #[target_feature(enable = "avx2")]
 pub(super) fn find(m: Avx2, taps: &[Footprint; LANES], shape: RunShape, runs: &mut EightRuns) -> bool {
-    let addresses: [__m256i; LANES] = [0, 1, 2, 3, 4, 5, 6, 7].map(|number| m.load_addresses(&taps[number]));
-    let [a, b, c, d, e, f, g, h] = addresses;
-    let any = |x, y| _mm256_or_si256(x, y);
-    let high = any(any(any(a, b), any(c, d)), any(any(e, f), any(g, h)));
-    if _mm256_testz_si256(high, _mm256_set1_epi64x(!0xFFFF_FFFF)) == 0 {
-        return false;
-    }
-    let low = |x, y| _mm256_shuffle_ps::<0b10_00_10_00>(_mm256_castsi256_ps(x), _mm256_castsi256_ps(y));
-    let corners = columns([low(a, b), low(c, d), low(e, f), low(g, h)]);
+    let Some(corners) = low_words(m, taps) else { return false };
     let line_shift = _mm_cvtsi32_si128(shape.line_shift as i32);
     let texel_shift = _mm_cvtsi32_si128(shape.texel_shift as i32);
     let in_line = _mm256_set1_epi32((1 << (shape.line_shift - shape.texel_shift)) - 1);
@@ -71,6 +63,7 @@ pub(super) fn find(m: Avx2, taps: &[Footprint; LANES], shape: RunShape, runs: &m
     };
     let same = |x: usize, y: usize| _mm256_cmpeq_epi32(lines[x], lines[y]);
     let both = |x, y| _mm256_and_si256(x, y);
+    let any = |x, y| _mm256_or_si256(x, y);
     let rows = both(same(0, 1), same(2, 3));
     let mut columns = both(same(0, 2), same(1, 3));
     if let Some(mask) = shape.set_mask {

@@ -30,13 +30,13 @@ impl BankHash {
 }
 
 /// Banks that each take a few accesses a clock.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Banks {
     stamps: Vec<Stamp>,
     hash: BankHash,
     ports: u32,
-    /// Banks less one where they are a power of two.
-    mask: Option<u64>,
+    /// Banks less one where they are a power of two and nothing is hashed; else all ones.
+    mask: u64,
 }
 
 /// The clock of a bank's last access, and how many it had in that clock.
@@ -48,19 +48,22 @@ struct Stamp {
 
 impl Banks {
     pub(super) fn new(banks: u32, ports: u32, hash: BankHash) -> Self {
-        let mask = banks.is_power_of_two().then(|| u64::from(banks - 1));
+        let simple = hash == BankHash::Low && banks.is_power_of_two();
+        let mask = if simple { u64::from(banks - 1) } else { u64::MAX };
         Self { stamps: vec![Stamp::default(); banks as usize], hash, ports, mask }
     }
 
     /// The bank a number is in.
     #[inline(always)]
     pub(super) fn bank(&self, number: u64) -> usize {
-        let bank = match (self.hash, self.mask) {
-            (BankHash::Low, Some(mask)) => number & mask,
-            (BankHash::Low, None) => number % self.stamps.len() as u64,
-            (BankHash::Xor, _) => fold(number, self.stamps.len().trailing_zeros()),
-        };
-        bank as usize
+        if self.mask != u64::MAX {
+            return (number & self.mask) as usize;
+        }
+        let banks = self.stamps.len();
+        (match self.hash {
+            BankHash::Low => number % banks as u64,
+            BankHash::Xor => fold(number, banks.trailing_zeros()),
+        }) as usize
     }
 
     /// The first clock from `earliest` on at which a bank has a port left, and takes it. Later calls for the bank must not ask

@@ -3,7 +3,7 @@
 use super::{banks::Banks, parameters::Parameters, tap_reads::READS_MAX};
 
 /// Banks of words. Taps read one after the other, so what earlier taps still do to a tap is what they read in its first clock.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct DataBanks {
     banks: Banks,
     word_shift: u32,

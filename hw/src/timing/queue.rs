@@ -3,7 +3,7 @@
 use alloc::{boxed::Box, vec};
 
 /// A FIFO by the clocks at which its places can be taken again.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Fifo {
     /// For the place of each of the last items, the first clock at which another can take it.
     free: Box<[u64]>,
@@ -40,10 +40,13 @@ impl Fifo {
     #[inline(always)]
     pub(super) fn pass(&mut self, enter: u64, free: u64) {
         let depth = self.free.len();
-        if self.free[self.before] > enter {
-            self.most += 1;
-        } else {
-            self.before = if self.before + 1 == depth { 0 } else { self.before + 1 };
+        // A FIFO that has been full once has held the most it can.
+        if self.most < depth {
+            if self.free[self.before] > enter {
+                self.most += 1;
+            } else {
+                self.before = if self.before + 1 == depth { 0 } else { self.before + 1 };
+            }
         }
         self.clocks += free - enter;
         self.free[self.next] = free;
@@ -60,7 +63,7 @@ impl Fifo {
 }
 
 /// At most so many items a clock, in order.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Width {
     clock: u64,
     used: u32,
@@ -74,16 +77,19 @@ impl Width {
         Self { clock: 0, used: 0, width, busy: 0 }
     }
 
-    /// The first clock from `earliest` on with room.
+    /// The first clock from `earliest` on with room; `SINGLE` where the width is 1.
     #[inline(always)]
-    pub(super) fn earliest(&self, earliest: u64) -> u64 {
+    pub(super) fn earliest<const SINGLE: bool>(&self, earliest: u64) -> u64 {
+        if SINGLE {
+            return earliest.max(self.clock + u64::from(self.used));
+        }
         if earliest > self.clock { earliest } else { self.clock + u64::from(self.used >= self.width) }
     }
 
     /// Counts an item in a clock that is not before the last.
     #[inline(always)]
-    pub(super) fn count(&mut self, clock: u64) {
-        let fresh = clock != self.clock || self.used == 0;
+    pub(super) fn count<const SINGLE: bool>(&mut self, clock: u64) {
+        let fresh = SINGLE || clock != self.clock || self.used == 0;
         self.used = if fresh { 1 } else { self.used + 1 };
         self.busy += u64::from(fresh);
         self.clock = clock;
@@ -91,9 +97,9 @@ impl Width {
 
     /// Both.
     #[inline(always)]
-    pub(super) fn take(&mut self, earliest: u64) -> u64 {
-        let clock = self.earliest(earliest);
-        self.count(clock);
+    pub(super) fn take<const SINGLE: bool>(&mut self, earliest: u64) -> u64 {
+        let clock = self.earliest::<SINGLE>(earliest);
+        self.count::<SINGLE>(clock);
         clock
     }
 

@@ -12,6 +12,8 @@ pub(super) const READS_MAX: usize = 12;
 pub(super) struct Access {
     pub(super) line: u64,
     pub(super) slot: u32,
+    /// Number of the tap.
+    pub(super) tap: u32,
     pub(super) hit: bool,
 }
 
@@ -19,68 +21,59 @@ pub(super) struct Access {
 #[derive(Clone, Debug, Default)]
 pub(super) struct TapReads {
     accesses: Vec<Access>,
-    /// Where the accesses of each tap begin.
-    begins: Vec<usize>,
+    /// Taps whose reads are told one by one.
+    taps: u32,
 }
 
 impl TapReads {
     pub(super) fn clear(&mut self) {
         self.accesses.clear();
-        self.begins.clear();
+        self.taps = 0;
     }
 
-    /// The accesses of a tap.
-    #[inline(always)]
-    pub(super) fn of_tap(&self, tap: usize) -> core::ops::Range<usize> {
-        let begin = |tap| self.begins.get(tap).copied().unwrap_or(self.accesses.len());
-        begin(tap)..begin(tap + 1)
+    pub(super) fn accesses(&self) -> &[Access] {
+        &self.accesses
     }
 
-    /// The next reads are of the next tap.
-    #[inline(always)]
+    /// The next reads, told one by one, are of the next tap.
     pub(super) fn tap(&mut self) {
-        self.begins.push(self.accesses.len());
+        self.taps += 1;
     }
 
     #[inline(always)]
-    pub(super) fn access(&self, number: usize) -> Access {
-        self.accesses[number]
-    }
-
-    /// The texels of a run after the first hit the line the first accessed.
-    #[inline(always)]
-    fn run(&mut self, run: &Run, outcome: Outcome) {
-        while self.begins.len() <= run.tap as usize {
-            self.tap();
+    fn hit_in(&mut self, tap: u32, line: u64, slot: u32) {
+        let mut earlier = self.accesses.iter().rev().take_while(|access| access.tap == tap);
+        if !earlier.any(|access| access.line == line) {
+            self.accesses.push(Access { line, slot, tap, hit: true });
         }
-        self.read(run.line, outcome);
     }
 
     #[inline(always)]
-    fn read(&mut self, line: u64, outcome: Outcome) {
-        let hit = outcome.is_hit();
-        let begin = self.begins.last().copied().unwrap_or(0);
-        if !(hit && self.accesses[begin..].iter().any(|access| access.line == line)) {
-            self.accesses.push(Access { line, slot: outcome.slot(), hit });
-        }
+    fn miss_in(&mut self, tap: u32, line: u64, slot: u32) {
+        self.accesses.push(Access { line, slot, tap, hit: false });
     }
 }
 
+/// The texels of a run after the first hit the line the first accessed.
 impl RunObserver for TapReads {
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
-        self.run(run, Outcome::Hit { slot });
+        self.hit_in(run.tap, run.line, slot);
     }
 
     #[inline(always)]
-    fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>) {
-        self.run(run, Outcome::Miss { slot, evicted });
+    fn miss(&mut self, run: &Run, slot: u32, _: Option<u64>) {
+        self.miss_in(run.tap, run.line, slot);
     }
 }
 
 impl Observer for TapReads {
     #[inline(always)]
     fn lookup(&mut self, _: u64, line: u64, outcome: Outcome) {
-        self.read(line, outcome);
+        let tap = self.taps - 1;
+        match outcome {
+            Outcome::Hit { slot } => self.hit_in(tap, line, slot),
+            Outcome::Miss { slot, .. } => self.miss_in(tap, line, slot),
+        }
     }
 }

@@ -35,17 +35,19 @@ impl Draw<'_> {
 const READS: u32 = 4;
 
 fn machine(draw: &mut Draw<'_>) -> Machine {
+    // Half of them do one thing a clock, for which the model has a loop of its own.
+    let widths = if draw.below(2) == 0 { [1; 4] } else { [3, 4, 2, 2] };
     let pipeline = Parameters {
         mode: draw.from(&[Mode::Prefetching, Mode::Prefetching, Mode::Prefetching, Mode::Blocking]),
-        pixel_pipes: 1 + draw.below(3),
-        taps_per_clock: 1 + draw.below(4),
+        pixel_pipes: 1 + draw.below(widths[0]),
+        taps_per_clock: 1 + draw.below(widths[1]),
         request_fifo: draw.depth(),
         lod_fifo: draw.depth(),
         tap_fifo: draw.depth(),
         fragment_fifo: draw.depth(),
         result_fifo: draw.depth(),
         tag_banks: draw.from(&[1, 2, 4, 8]),
-        tag_ports: 1 + draw.below(2),
+        tag_ports: 1 + draw.below(widths[2]),
         tag_hash: draw.from(&[BankHash::Low, BankHash::Xor]),
         miss_status: draw.depth(),
         merges: draw.from(&[0, 1, 2, 100]),
@@ -53,7 +55,7 @@ fn machine(draw: &mut Draw<'_>) -> Machine {
         reorder_buffer: READS - 1 + draw.depth(),
         data_banks: draw.from(&[1, 2, 4, 16]),
         data_bank_bytes: draw.from(&[4, 8, 32]),
-        data_ports: 1 + draw.below(2),
+        data_ports: 1 + draw.below(widths[3]),
         data_hash: draw.from(&[BankHash::Low, BankHash::Xor]),
         fill_write_bytes: draw.from(&[0, 8, 16, 64]),
         lod_latency: draw.latency(),

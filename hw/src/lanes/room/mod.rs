@@ -10,7 +10,7 @@ use core::{arch::x86_64::*, mem::offset_of};
 use alloc::vec::Vec;
 
 use super::{
-    LANES, footprints,
+    LANES, banks, footprints,
     kernel::Kernel,
     runs::{self, EightRuns, RunShape},
 };
@@ -68,6 +68,13 @@ impl Avx2 {
     pub(super) fn find_runs(self, taps: &[Footprint; LANES], shape: RunShape, runs: &mut EightRuns) -> bool {
         // SAFETY: as above.
         unsafe { runs::find(self, taps, shape, runs) }
+    }
+
+    /// [`banks::apart`] in code compiled for AVX2.
+    #[inline(always)]
+    pub(super) fn apart(self, taps: &[Footprint; LANES], word_shift: u32, bank_mask: u32) -> u8 {
+        // SAFETY: as above.
+        unsafe { banks::apart(self, taps, word_shift, bank_mask) }
     }
 }
 

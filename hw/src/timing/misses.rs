@@ -1,0 +1,129 @@
+//! What a miss sets going: its places in the reorder buffer, the miss-status entries and the miss queue, and the memory.
+
+use super::{
+    TimingBuildError,
+    counters::{PlaneTiming, Spread},
+    dram::Row,
+    memory::{Fetch, Memory},
+    miss_status::MissStatus,
+    parameters::{MemoryParameters, Mode, Parameters},
+    queue::{Fifo, Ledger},
+    tap_reads::READS_MAX,
+};
+use crate::cache::Geometry;
+
+/// The way of a miss.
+#[derive(Clone, Debug)]
+pub(super) struct Misses {
+    prefetching: bool,
+    line_shift: u32,
+    tag_latency: u64,
+    pub(super) memory: Memory,
+    pub(super) miss_queue: Fifo,
+    pub(super) reorder_buffer: Fifo,
+    pub(super) status: MissStatus,
+    pub(super) port: Ledger,
+    /// In blocking mode, the first clock the next access can be made in.
+    pub(super) unblocked: u64,
+    /// Clocks of the misses of the tap at hand.
+    clocks: [u64; READS_MAX],
+    pub(super) stalls: MissStalls,
+    pub(super) fill_latency: Spread,
+}
+
+/// Clocks by what held a miss up.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MissStalls {
+    pub(super) reorder_buffer: u64,
+    pub(super) miss_status: u64,
+    pub(super) miss_queue: u64,
+    pub(super) memory: u64,
+}
+
+/// A miss that has been timed.
+pub(super) struct Missed {
+    /// Clock of the access.
+    pub(super) clock: u64,
+    pub(super) fetch: Fetch,
+    /// The tag unit's, the clocks it waited entered.
+    pub(super) tag: Ledger,
+}
+
+impl Misses {
+    pub(super) fn new(p: &Parameters, memory: &MemoryParameters, geometry: Geometry) -> Result<Self, TimingBuildError> {
+        Ok(Self {
+            prefetching: p.mode == Mode::Prefetching,
+            line_shift: geometry.line.trailing_zeros(),
+            tag_latency: p.tag_latency.into(),
+            memory: Memory::new(memory, geometry.line).map_err(TimingBuildError::SecondLevel)?,
+            miss_queue: Fifo::new(p.miss_queue),
+            reorder_buffer: Fifo::new(p.reorder_buffer),
+            status: MissStatus::new(p.miss_status, p.merges, geometry.lines() as usize),
+            port: Ledger::default(),
+            unblocked: 0,
+            clocks: [0; READS_MAX],
+            stalls: MissStalls::default(),
+            fill_latency: Spread::default(),
+        })
+    }
+
+    /// An access that misses `line`, which comes to `slot`, the tag unit being free for it from `clock` on; its tap has missed
+    /// `earlier` lines before.
+    #[inline(never)]
+    pub(super) fn miss(
+        &mut self,
+        line: u64,
+        slot: u32,
+        mut clock: u64,
+        earlier: usize,
+        mut tag: Ledger,
+        row: &mut PlaneTiming,
+    ) -> Missed {
+        if self.prefetching {
+            let room = self.reorder_buffer.room_ahead(earlier);
+            tag.stall_until(room, &mut self.stalls.reorder_buffer);
+            let entry = self.status.room(clock.max(room));
+            tag.stall_until(entry, &mut self.stalls.miss_status);
+            clock = clock.max(entry);
+        }
+        let room = self.miss_queue.room();
+        tag.stall_until(room, &mut self.stalls.miss_queue);
+        clock = clock.max(room);
+
+        let at_port = clock + self.tag_latency;
+        let fetch = self.memory.fetch(line << self.line_shift, at_port);
+        self.port.idle_until(at_port);
+        self.port.stall_until(fetch.taken, &mut self.stalls.memory);
+        self.port.work(fetch.taken);
+        self.miss_queue.pass(clock, fetch.taken + 1);
+        self.status.fill(slot, fetch.filled);
+        if self.prefetching {
+            self.status.hold(clock, fetch.filled + 1);
+        } else {
+            self.unblocked = fetch.filled + 1;
+        }
+        self.clocks[earlier] = clock;
+
+        self.fill_latency.add(fetch.filled - clock);
+        row.fetches_failed += 1;
+        row.fill_latency_sum += fetch.filled - clock;
+        row.second_level_hits += u64::from(fetch.second_level_hit == Some(true));
+        match fetch.row {
+            Some(Row::Hit) => row.row_hits += 1,
+            Some(Row::Miss) => row.row_misses += 1,
+            Some(Row::Conflict) => row.row_conflicts += 1,
+            None => {}
+        }
+        Missed { clock, fetch, tag }
+    }
+
+    /// The tap at hand, which missed `count` lines, is read in clock `data`.
+    #[inline(never)]
+    pub(super) fn read(&mut self, count: usize, data: u64) {
+        if self.prefetching {
+            for &access in &self.clocks[..count] {
+                self.reorder_buffer.pass(access, data + 1);
+            }
+        }
+    }
+}

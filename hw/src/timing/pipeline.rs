@@ -1,0 +1,314 @@
+//! The pipeline: when each request and each tap passes each unit (docs/timing.md, sections 3, 4 and 6).
+//!
+//! A batch is one loop over its taps. What the loop carries on from tap to tap is taken out of the model for as long, so that the
+//! host keeps it in registers: behind a reference it would be written and read again with every place of a FIFO.
+
+use alloc::vec::Vec;
+
+use super::{
+    banks::Banks,
+    counters::{HISTOGRAM_MAX, Histograms, PlaneTiming, Spread},
+    data_banks::DataBanks,
+    events::{FillTimes, RequestTimes, TapTimes, TimingObserver},
+    misses::Misses,
+    parameters::{Mode, Parameters},
+    queue::{Fifo, Ledger, Width},
+    tap_reads::TapReads,
+};
+
+/// The units and FIFOs a tap always passes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pipeline {
+    pub(super) entry: Width,
+    lod: Width,
+    sequencer: Width,
+    /// Taps by the clock they finish in.
+    tag: Width,
+    pub(super) data: Width,
+    pub(super) result: Width,
+    pub(super) request_fifo: Fifo,
+    pub(super) lod_fifo: Fifo,
+    pub(super) tap_fifo: Fifo,
+    pub(super) fragment_fifo: Fifo,
+    pub(super) result_fifo: Fifo,
+    tag_banks: Banks,
+    data_banks: DataBanks,
+    pub(super) ledgers: Ledgers,
+    pub(super) counts: Counts,
+    pub(super) request_latency: Spread,
+}
+
+/// Where the clocks of each unit went.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Ledgers {
+    pub(super) lod: Ledger,
+    pub(super) sequencer: Ledger,
+    pub(super) tag: Ledger,
+    pub(super) data: Ledger,
+}
+
+/// What is counted on the way; the names are those of the counters.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counts {
+    pub(super) cycles: u64,
+    pub(super) requests: u64,
+    pub(super) taps: u64,
+    pub(super) data_words: u64,
+    pub(super) data_conflict_clocks: u64,
+    pub(super) fill_write_clocks: u64,
+    pub(super) tag_bank_conflicts: u64,
+    pub(super) lod_stall_lod_fifo: u64,
+    pub(super) sequencer_stall_tap_fifo: u64,
+    pub(super) tag_stall_fragment_fifo: u64,
+    pub(super) tag_stall_merge: u64,
+    pub(super) tag_stall_blocked: u64,
+    pub(super) data_stall_fill: u64,
+    pub(super) data_stall_result_fifo: u64,
+}
+
+/// Taps to be timed, by number.
+pub(super) trait Taps {
+    /// Storage index of the plane.
+    fn plane(&self, tap: usize) -> u16;
+    /// The addresses it reads, in order.
+    fn addresses(&self, tap: usize) -> &[u64];
+    /// Whether it is known that they are in as many data banks.
+    fn apart(&self, tap: usize) -> bool;
+}
+
+/// What is kept beside the pipeline.
+pub(super) struct Beside<'a, O> {
+    pub(super) parameters: &'a Parameters,
+    /// Clocks of writing one line into the banks.
+    pub(super) line_write: u64,
+    pub(super) line_shift: u32,
+    pub(super) misses: &'a mut Misses,
+    pub(super) planes: &'a mut Vec<PlaneTiming>,
+    pub(super) histograms: &'a mut Histograms,
+    pub(super) observer: &'a mut O,
+}
+
+impl Pipeline {
+    pub(super) fn new(p: &Parameters) -> Self {
+        Self {
+            entry: Width::new(p.pixel_pipes),
+            lod: Width::new(p.pixel_pipes),
+            sequencer: Width::new(p.taps_per_clock),
+            tag: Width::new(p.taps_per_clock),
+            data: Width::new(p.taps_per_clock),
+            result: Width::new(p.pixel_pipes),
+            request_fifo: Fifo::new(p.request_fifo),
+            lod_fifo: Fifo::new(p.lod_fifo),
+            tap_fifo: Fifo::new(p.tap_fifo),
+            fragment_fifo: Fifo::new(p.fragment_fifo),
+            result_fifo: Fifo::new(p.result_fifo),
+            tag_banks: Banks::new(p.tag_banks, p.tag_ports, p.tag_hash),
+            data_banks: DataBanks::new(p),
+            ..Self::default()
+        }
+    }
+
+    /// Whether a machine does one thing a clock: [`Self::time`] has a loop for these.
+    pub(super) fn is_single(p: &Parameters) -> bool {
+        p.mode == Mode::Prefetching
+            && [p.pixel_pipes, p.taps_per_clock, p.tag_ports, p.data_ports] == [1; 4]
+            && p.tag_banks.max(p.data_banks) <= 64
+    }
+
+    /// Times requests of so many taps each, whose line accesses are known. `SINGLE` only for machines that are.
+    #[inline(always)]
+    pub(super) fn time<const SINGLE: bool, O: TimingObserver>(
+        &mut self,
+        taps_of_requests: impl Iterator<Item = usize>,
+        taps: &impl Taps,
+        reads: &TapReads,
+        beside: Beside<'_, O>,
+    ) {
+        let mut pipe = core::mem::take(self);
+        let Beside { parameters: p, line_write, line_shift, misses, planes, histograms, observer } = beside;
+        let [lod_latency, address_latency, tag_latency, data_latency, filter_latency] =
+            [p.lod_latency, p.address_latency, p.tag_latency, p.data_latency, p.filter_latency].map(u64::from);
+        let (mut number, mut accesses) = (0, reads.accesses().iter().peekable());
+        for count in taps_of_requests {
+            if count == 0 {
+                continue;
+            }
+            // Entry and LOD unit.
+            let entry = pipe.entry.take::<SINGLE>(pipe.request_fifo.room());
+            let room = pipe.lod_fifo.room();
+            let lod = pipe.lod.take::<SINGLE>(room.max(entry + 1));
+            pipe.ledgers.lod.take(entry + 1, room, lod, &mut pipe.counts.lod_stall_lod_fifo);
+            pipe.request_fifo.pass(entry, lod + 1);
+            let at_sequencer = lod + lod_latency;
+
+            let end = number + count;
+            let (mut issue, mut data, mut datapath) = (0, 0, 0);
+            for tap in number..end {
+                let (plane, addresses) = (taps.plane(tap), taps.addresses(tap));
+                if usize::from(plane) >= planes.len() {
+                    planes.resize(usize::from(plane) + 1, PlaneTiming::default());
+                }
+                let row = &mut planes[usize::from(plane)];
+
+                // Sequencer and address unit.
+                let room = pipe.tap_fifo.room();
+                issue = pipe.sequencer.take::<SINGLE>(room.max(at_sequencer));
+                let stalls = &mut pipe.counts.sequencer_stall_tap_fifo;
+                pipe.ledgers.sequencer.take(at_sequencer, room, issue, stalls);
+
+                // Tag unit.
+                let at_door = issue + address_latency;
+                pipe.ledgers.tag.idle_until(at_door);
+                let room = pipe.fragment_fifo.room();
+                pipe.ledgers.tag.stall_until(room, &mut pipe.counts.tag_stall_fragment_fifo);
+                let tag = pipe.tag.earliest::<SINGLE>(at_door.max(room));
+                pipe.tap_fifo.pass(issue, tag + 1);
+                // Clock of the last access, clock at which all lines missed are there, and how many they are.
+                let (mut tag_done, mut filled, mut missed) = (tag, 0, 0);
+                let (mut made, mut banks_taken) = (0, 0u64);
+                while let Some(access) = accesses.next_if(|access| access.tap as usize == tap) {
+                    made += 1;
+                    let bank = pipe.tag_banks.bank(access.line);
+                    let mut clock = if SINGLE {
+                        // Taps before this one have finished in earlier clocks.
+                        tag_done + (banks_taken >> bank & 1)
+                    } else {
+                        let from = tag_done.max(misses.unblocked);
+                        pipe.ledgers.tag.stall_until(from, &mut pipe.counts.tag_stall_blocked);
+                        let clock = pipe.tag_banks.earliest(bank, from);
+                        pipe.counts.tag_bank_conflicts += u64::from(clock > from);
+                        clock
+                    };
+                    if SINGLE {
+                        pipe.counts.tag_bank_conflicts += clock - tag_done;
+                    }
+                    if access.hit {
+                        let filled = misses.status.filled(access.slot);
+                        if clock < filled {
+                            if misses.status.merge(access.slot) {
+                                row.fetches_merged += 1;
+                            } else {
+                                pipe.ledgers.tag.stall_until(filled, &mut pipe.counts.tag_stall_merge);
+                                clock = filled;
+                            }
+                        }
+                    } else {
+                        let miss = misses.miss(access.line, access.slot, clock, missed, pipe.ledgers.tag, row);
+                        (clock, pipe.ledgers.tag) = (miss.clock, miss.tag);
+                        filled = filled.max(miss.fetch.filled);
+                        missed += 1;
+                        observer.fill(FillTimes {
+                            tap: pipe.counts.taps,
+                            plane,
+                            address: access.line << line_shift,
+                            access: clock,
+                            fetch: miss.fetch,
+                        });
+                    }
+                    if SINGLE {
+                        banks_taken = if clock == tag_done { banks_taken } else { 0 } | 1 << bank;
+                    } else {
+                        pipe.tag_banks.take(bank, clock);
+                    }
+                    pipe.ledgers.tag.work(clock);
+                    tag_done = clock;
+                }
+                if made == 0 {
+                    pipe.ledgers.tag.work(tag);
+                }
+                pipe.tag.count::<SINGLE>(tag_done);
+
+                // Data banks.
+                let at_door = tag_done + tag_latency;
+                pipe.ledgers.data.idle_until(at_door);
+                let waited = pipe.ledgers.data.stall_until(filled, &mut pipe.counts.data_stall_fill);
+                let mut ready = at_door.max(filled);
+                if tap + 1 == end {
+                    let room = pipe.result_fifo.room();
+                    pipe.ledgers.data.stall_until(room, &mut pipe.counts.data_stall_result_fifo);
+                    ready = ready.max(room);
+                }
+                data = pipe.data.earliest::<SINGLE>(ready);
+                let mut writes = 0;
+                if missed > 0 {
+                    writes = missed as u64 * line_write;
+                    if writes > 0 && data == pipe.data.last() {
+                        data += 1;
+                    }
+                    misses.read(missed, data);
+                }
+                let (data_done, words) = if SINGLE && taps.apart(tap) {
+                    (data + writes, addresses.len() as u64)
+                } else {
+                    pipe.data_banks.read(addresses, data + writes)
+                };
+                pipe.counts.data_words += words;
+                pipe.data.count::<SINGLE>(data_done);
+                pipe.ledgers.data.work_through(data_done);
+                pipe.fragment_fifo.pass(tag, data + 1);
+
+                datapath = data_done + data_latency;
+                pipe.counts.fill_write_clocks += writes;
+                pipe.counts.data_conflict_clocks += data_done - data - writes;
+                row.taps += 1;
+                row.reads += addresses.len() as u64;
+                row.fetches_ok += made - missed as u64;
+                row.stall_wait_read += waited;
+                observer.tap(TapTimes {
+                    tap: pipe.counts.taps,
+                    request: pipe.counts.requests,
+                    plane,
+                    issue,
+                    tag,
+                    tag_done,
+                    data,
+                    data_done,
+                    datapath,
+                    misses: missed as u32,
+                });
+                pipe.counts.taps += 1;
+            }
+
+            // Datapath and result.
+            let result = pipe.result.take::<SINGLE>(datapath + filter_latency);
+            pipe.lod_fifo.pass(lod, issue + 1);
+            pipe.result_fifo.pass(data, result + 1);
+            observer.request(RequestTimes { request: pipe.counts.requests, entry, lod, result });
+            pipe.counts.requests += 1;
+            pipe.counts.cycles = result + 1;
+            pipe.request_latency.add(result - entry);
+            let planes = planes_among(taps, number, end);
+            histograms.taps[count.min(HISTOGRAM_MAX)] += 1;
+            histograms.planes[planes.min(HISTOGRAM_MAX)] += 1;
+            let probes = if planes == 1 {
+                count
+            } else if planes == count {
+                1
+            } else {
+                count / planes
+            };
+            histograms.anisotropy[probes.min(HISTOGRAM_MAX)] += 1;
+            number = end;
+        }
+        *self = pipe;
+    }
+}
+
+/// Most planes of a request that are told apart: a filter reads few.
+const PLANES_MAX: usize = 8;
+
+/// The number of planes among some taps.
+#[inline(always)]
+fn planes_among(taps: &impl Taps, begin: usize, end: usize) -> usize {
+    if end - begin <= 2 {
+        return if taps.plane(begin) == taps.plane(end - 1) { 1 } else { 2 };
+    }
+    let (mut seen, mut count) = ([0; PLANES_MAX], 0);
+    for plane in (begin..end).map(|tap| taps.plane(tap)) {
+        if count < PLANES_MAX && !seen[..count].contains(&plane) {
+            seen[count] = plane;
+            count += 1;
+        }
+    }
+    count
+}
