@@ -15,6 +15,7 @@ mod misses;
 mod parameters;
 mod pipeline;
 mod queue;
+mod single;
 mod tap_reads;
 
 pub use banks::BankHash;
@@ -113,7 +114,7 @@ impl<O: TimingObserver> Timing<O> {
         parameters.check(reads_per_tap, cache.bytes_per_read()).map_err(TimingBuildError::Timing)?;
         memory.check(geometry.line).map_err(TimingBuildError::Timing)?;
         let p = *parameters;
-        let in_order = p.data_hash == BankHash::Low;
+        let one_by_one = p.data_hash == BankHash::Low && Pipeline::is_single(&p);
         Ok(Self {
             parameters: p,
             line_shift: geometry.line.trailing_zeros(),
@@ -129,7 +130,7 @@ impl<O: TimingObserver> Timing<O> {
             histograms: Histograms::default(),
             reads: TapReads::default(),
             gathered: Gathered::default(),
-            bank_lanes: BankLanes::new(p.data_bank_bytes.trailing_zeros(), p.data_banks).filter(|_| in_order),
+            bank_lanes: BankLanes::new(p.data_bank_bytes.trailing_zeros(), p.data_banks).filter(|_| one_by_one),
             apart: Vec::new(),
             cache,
         })
@@ -166,9 +167,9 @@ impl<O: TimingObserver> Timing<O> {
         let (line_write, line_shift) = (*line_write, *line_shift);
         let beside = Beside { parameters, line_write, line_shift, misses, planes, histograms, observer };
         if self.single {
-            self.pipeline.time::<true, O>(taps_of_requests, taps, reads, beside);
+            self.pipeline.time_single(taps_of_requests, taps, reads, beside);
         } else {
-            self.pipeline.time::<false, O>(taps_of_requests, taps, reads, beside);
+            self.pipeline.time(taps_of_requests, taps, reads, beside);
         }
     }
 
@@ -286,8 +287,21 @@ impl<O: TimingObserver> Sink for Timing<O> {
     /// Times the requests of a batch.
     fn take(&mut self, batch: Batch<'_>) {
         let taps_of_requests = batch.per_request().map(<[Footprint]>::len);
-        let addresses = batch.taps.iter().flat_map(|tap| &tap.address[..batch.texels_per_tap]);
-        if batch.surface.reads_per_texel() > 1 || is_outside(addresses.fold(0, |all, address| all | address)) {
+        let any_outside = |taps: &[Footprint]| {
+            let addresses = taps.iter().flat_map(|tap| &tap.address[..batch.texels_per_tap]);
+            is_outside(addresses.fold(0, |all, address| all | address))
+        };
+        let lanes = self.bank_lanes.filter(|_| batch.texels_per_tap == 4);
+        let (eights, rest) = if lanes.is_some() { batch.taps.as_chunks() } else { (&[][..], batch.taps) };
+        let mut outside = any_outside(rest);
+        self.apart.clear();
+        for (eight, lanes) in eights.iter().zip(lanes.iter().cycle()) {
+            // Addresses of 32 bits are inside.
+            let apart = lanes.apart(eight);
+            outside |= apart.is_none() && any_outside(eight);
+            self.apart.push(apart.unwrap_or(0));
+        }
+        if outside || batch.surface.reads_per_texel() > 1 {
             let mut gathered = core::mem::take(&mut self.gathered);
             gathered.clear();
             for tap in batch.taps {
@@ -300,11 +314,7 @@ impl<O: TimingObserver> Sink for Timing<O> {
         }
         self.reads.clear();
         self.cache.take_observed(batch, &mut self.reads);
-        let mut apart = core::mem::take(&mut self.apart);
-        apart.clear();
-        if let Some(lanes) = self.bank_lanes.filter(|_| batch.texels_per_tap == 4 && self.single) {
-            apart.extend(batch.taps.as_chunks().0.iter().map(|eight| lanes.apart(eight)));
-        }
+        let apart = core::mem::take(&mut self.apart);
         self.time(taps_of_requests, &InPlace { taps: batch.taps, texels: batch.texels_per_tap, apart: &apart });
         self.apart = apart;
     }

@@ -21,17 +21,17 @@ impl BankLanes {
         Avx2::detect().filter(|_| suits).map(|machine| Self { machine, word_shift, bank_mask: banks - 1 })
     }
 
-    /// A bit a tap, set where it is known that its four words are in four banks.
+    /// A bit a tap, set where its four words are in four banks; none if an address is beyond 32 bits.
     #[inline(always)]
-    pub(crate) fn apart(self, taps: &[Footprint; LANES]) -> u8 {
+    pub(crate) fn apart(self, taps: &[Footprint; LANES]) -> Option<u8> {
         self.machine.apart(taps, self.word_shift, self.bank_mask)
     }
 }
 
 /// [`BankLanes::apart`].
 #[target_feature(enable = "avx2")]
-pub(super) fn apart(m: Avx2, taps: &[Footprint; LANES], word_shift: u32, bank_mask: u32) -> u8 {
-    let Some(corners) = low_words(m, taps) else { return 0 };
+pub(super) fn apart(m: Avx2, taps: &[Footprint; LANES], word_shift: u32, bank_mask: u32) -> Option<u8> {
+    let corners = low_words(m, taps)?;
     let shift = _mm_cvtsi32_si128(word_shift as i32);
     let mask = _mm256_set1_epi32(bank_mask as i32);
     let bank =
@@ -40,5 +40,5 @@ pub(super) fn apart(m: Avx2, taps: &[Footprint; LANES], word_shift: u32, bank_ma
     // Different powers of two have the same sum as union, and no others do: of two equal ones the sum is larger.
     let sum = _mm256_add_epi32(_mm256_add_epi32(a, b), _mm256_add_epi32(c, d));
     let union = _mm256_or_si256(_mm256_or_si256(a, b), _mm256_or_si256(c, d));
-    _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(sum, union))) as u8
+    Some(_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(sum, union))) as u8)
 }

@@ -86,7 +86,7 @@ impl BankLanes {
         None
     }
 
-    pub(crate) fn apart(self, _: &[Footprint; 8]) -> u8 {
+    pub(crate) fn apart(self, _: &[Footprint; 8]) -> Option<u8> {
         match self.0 {}
     }
 }

@@ -11,7 +11,7 @@ use super::{
     data_banks::DataBanks,
     events::{FillTimes, RequestTimes, TapTimes, TimingObserver},
     misses::Misses,
-    parameters::{Mode, Parameters},
+    parameters::Parameters,
     queue::{Fifo, Ledger, Width},
     tap_reads::TapReads,
 };
@@ -31,8 +31,8 @@ pub(super) struct Pipeline {
     pub(super) tap_fifo: Fifo,
     pub(super) fragment_fifo: Fifo,
     pub(super) result_fifo: Fifo,
-    tag_banks: Banks,
-    data_banks: DataBanks,
+    pub(super) tag_banks: Banks,
+    pub(super) data_banks: DataBanks,
     pub(super) ledgers: Ledgers,
     pub(super) counts: Counts,
     pub(super) request_latency: Spread,
@@ -108,16 +108,9 @@ impl Pipeline {
         }
     }
 
-    /// Whether a machine does one thing a clock: [`Self::time`] has a loop for these.
-    pub(super) fn is_single(p: &Parameters) -> bool {
-        p.mode == Mode::Prefetching
-            && [p.pixel_pipes, p.taps_per_clock, p.tag_ports, p.data_ports] == [1; 4]
-            && p.tag_banks.max(p.data_banks) <= 64
-    }
-
-    /// Times requests of so many taps each, whose line accesses are known. `SINGLE` only for machines that are.
+    /// Times requests of so many taps each, whose line accesses are known.
     #[inline(always)]
-    pub(super) fn time<const SINGLE: bool, O: TimingObserver>(
+    pub(super) fn time<O: TimingObserver>(
         &mut self,
         taps_of_requests: impl Iterator<Item = usize>,
         taps: &impl Taps,
@@ -134,9 +127,9 @@ impl Pipeline {
                 continue;
             }
             // Entry and LOD unit.
-            let entry = pipe.entry.take::<SINGLE>(pipe.request_fifo.room());
+            let entry = pipe.entry.take(pipe.request_fifo.room());
             let room = pipe.lod_fifo.room();
-            let lod = pipe.lod.take::<SINGLE>(room.max(entry + 1));
+            let lod = pipe.lod.take(room.max(entry + 1));
             pipe.ledgers.lod.take(entry + 1, room, lod, &mut pipe.counts.lod_stall_lod_fifo);
             pipe.request_fifo.pass(entry, lod + 1);
             let at_sequencer = lod + lod_latency;
@@ -152,7 +145,7 @@ impl Pipeline {
 
                 // Sequencer and address unit.
                 let room = pipe.tap_fifo.room();
-                issue = pipe.sequencer.take::<SINGLE>(room.max(at_sequencer));
+                issue = pipe.sequencer.take(room.max(at_sequencer));
                 let stalls = &mut pipe.counts.sequencer_stall_tap_fifo;
                 pipe.ledgers.sequencer.take(at_sequencer, room, issue, stalls);
 
@@ -161,27 +154,18 @@ impl Pipeline {
                 pipe.ledgers.tag.idle_until(at_door);
                 let room = pipe.fragment_fifo.room();
                 pipe.ledgers.tag.stall_until(room, &mut pipe.counts.tag_stall_fragment_fifo);
-                let tag = pipe.tag.earliest::<SINGLE>(at_door.max(room));
+                let tag = pipe.tag.earliest(at_door.max(room));
                 pipe.tap_fifo.pass(issue, tag + 1);
                 // Clock of the last access, clock at which all lines missed are there, and how many they are.
                 let (mut tag_done, mut filled, mut missed) = (tag, 0, 0);
-                let (mut made, mut banks_taken) = (0, 0u64);
+                let mut made = 0;
                 while let Some(access) = accesses.next_if(|access| access.tap as usize == tap) {
                     made += 1;
                     let bank = pipe.tag_banks.bank(access.line);
-                    let mut clock = if SINGLE {
-                        // Taps before this one have finished in earlier clocks.
-                        tag_done + (banks_taken >> bank & 1)
-                    } else {
-                        let from = tag_done.max(misses.unblocked);
-                        pipe.ledgers.tag.stall_until(from, &mut pipe.counts.tag_stall_blocked);
-                        let clock = pipe.tag_banks.earliest(bank, from);
-                        pipe.counts.tag_bank_conflicts += u64::from(clock > from);
-                        clock
-                    };
-                    if SINGLE {
-                        pipe.counts.tag_bank_conflicts += clock - tag_done;
-                    }
+                    let from = tag_done.max(misses.unblocked);
+                    pipe.ledgers.tag.stall_until(from, &mut pipe.counts.tag_stall_blocked);
+                    let mut clock = pipe.tag_banks.earliest(bank, from);
+                    pipe.counts.tag_bank_conflicts += u64::from(clock > from);
                     if access.hit {
                         let filled = misses.status.filled(access.slot);
                         if clock < filled {
@@ -205,18 +189,14 @@ impl Pipeline {
                             fetch: miss.fetch,
                         });
                     }
-                    if SINGLE {
-                        banks_taken = if clock == tag_done { banks_taken } else { 0 } | 1 << bank;
-                    } else {
-                        pipe.tag_banks.take(bank, clock);
-                    }
+                    pipe.tag_banks.take(bank, clock);
                     pipe.ledgers.tag.work(clock);
                     tag_done = clock;
                 }
                 if made == 0 {
                     pipe.ledgers.tag.work(tag);
                 }
-                pipe.tag.count::<SINGLE>(tag_done);
+                pipe.tag.count(tag_done);
 
                 // Data banks.
                 let at_door = tag_done + tag_latency;
@@ -228,7 +208,7 @@ impl Pipeline {
                     pipe.ledgers.data.stall_until(room, &mut pipe.counts.data_stall_result_fifo);
                     ready = ready.max(room);
                 }
-                data = pipe.data.earliest::<SINGLE>(ready);
+                data = pipe.data.earliest(ready);
                 let mut writes = 0;
                 if missed > 0 {
                     writes = missed as u64 * line_write;
@@ -237,13 +217,9 @@ impl Pipeline {
                     }
                     misses.read(missed, data);
                 }
-                let (data_done, words) = if SINGLE && taps.apart(tap) {
-                    (data + writes, addresses.len() as u64)
-                } else {
-                    pipe.data_banks.read(addresses, data + writes)
-                };
+                let (data_done, words) = pipe.data_banks.read(addresses, data + writes);
                 pipe.counts.data_words += words;
-                pipe.data.count::<SINGLE>(data_done);
+                pipe.data.count(data_done);
                 pipe.ledgers.data.work_through(data_done);
                 pipe.fragment_fifo.pass(tag, data + 1);
 
@@ -270,27 +246,34 @@ impl Pipeline {
             }
 
             // Datapath and result.
-            let result = pipe.result.take::<SINGLE>(datapath + filter_latency);
+            let result = pipe.result.take(datapath + filter_latency);
             pipe.lod_fifo.pass(lod, issue + 1);
             pipe.result_fifo.pass(data, result + 1);
             observer.request(RequestTimes { request: pipe.counts.requests, entry, lod, result });
             pipe.counts.requests += 1;
             pipe.counts.cycles = result + 1;
             pipe.request_latency.add(result - entry);
-            let planes = planes_among(taps, number, end);
-            histograms.taps[count.min(HISTOGRAM_MAX)] += 1;
-            histograms.planes[planes.min(HISTOGRAM_MAX)] += 1;
-            let probes = if planes == 1 {
-                count
-            } else if planes == count {
-                1
-            } else {
-                count / planes
-            };
-            histograms.anisotropy[probes.min(HISTOGRAM_MAX)] += 1;
+            histograms.add(taps, number, end);
             number = end;
         }
         *self = pipe;
+    }
+}
+
+impl Histograms {
+    /// Counts a request of some taps.
+    #[inline(always)]
+    pub(super) fn add(&mut self, taps: &impl Taps, begin: usize, end: usize) {
+        let (count, planes) = (end - begin, planes_among(taps, begin, end));
+        // A division takes as long as everything else here together.
+        let probes = match planes {
+            1 => count,
+            _ if planes == count => 1,
+            _ => count / planes,
+        };
+        self.taps[count.min(HISTOGRAM_MAX)] += 1;
+        self.planes[planes.min(HISTOGRAM_MAX)] += 1;
+        self.anisotropy[probes.min(HISTOGRAM_MAX)] += 1;
     }
 }
 

@@ -77,19 +77,16 @@ impl Width {
         Self { clock: 0, used: 0, width, busy: 0 }
     }
 
-    /// The first clock from `earliest` on with room; `SINGLE` where the width is 1.
+    /// The first clock from `earliest` on with room.
     #[inline(always)]
-    pub(super) fn earliest<const SINGLE: bool>(&self, earliest: u64) -> u64 {
-        if SINGLE {
-            return earliest.max(self.clock + u64::from(self.used));
-        }
+    pub(super) fn earliest(&self, earliest: u64) -> u64 {
         if earliest > self.clock { earliest } else { self.clock + u64::from(self.used >= self.width) }
     }
 
     /// Counts an item in a clock that is not before the last.
     #[inline(always)]
-    pub(super) fn count<const SINGLE: bool>(&mut self, clock: u64) {
-        let fresh = SINGLE || clock != self.clock || self.used == 0;
+    pub(super) fn count(&mut self, clock: u64) {
+        let fresh = clock != self.clock || self.used == 0;
         self.used = if fresh { 1 } else { self.used + 1 };
         self.busy += u64::from(fresh);
         self.clock = clock;
@@ -97,10 +94,23 @@ impl Width {
 
     /// Both.
     #[inline(always)]
-    pub(super) fn take<const SINGLE: bool>(&mut self, earliest: u64) -> u64 {
-        let clock = self.earliest::<SINGLE>(earliest);
-        self.count::<SINGLE>(clock);
+    pub(super) fn take(&mut self, earliest: u64) -> u64 {
+        let clock = self.earliest(earliest);
+        self.count(clock);
         clock
+    }
+
+    /// Of a width of 1, the first clock with room.
+    pub(super) fn next(&self) -> u64 {
+        self.clock + u64::from(self.used)
+    }
+
+    /// Of a width of 1, some items more, after which `next` is the first clock with room.
+    pub(super) fn add(&mut self, next: u64, items: u64) {
+        if items > 0 {
+            (self.clock, self.used) = (next - 1, 1);
+            self.busy += items;
+        }
     }
 
     /// Clocks with an item.
@@ -125,6 +135,24 @@ pub(super) struct Ledger {
 }
 
 impl Ledger {
+    /// A ledger whose first clock without an entry is this.
+    pub(super) fn at(next: u64) -> Self {
+        Self { next, ..Self::default() }
+    }
+
+    /// The first clock without an entry.
+    #[inline(always)]
+    pub(super) fn next(&self) -> u64 {
+        self.next
+    }
+
+    /// Enters all clocks before `next`, so many of them busy and idle.
+    pub(super) fn add(&mut self, next: u64, busy: u64, idle: u64) {
+        self.next = next;
+        self.busy += busy;
+        self.idle += idle;
+    }
+
     /// Nothing at the door before `clock`.
     #[inline(always)]
     pub(super) fn idle_until(&mut self, clock: u64) {

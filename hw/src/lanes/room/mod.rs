@@ -72,7 +72,7 @@ impl Avx2 {
 
     /// [`banks::apart`] in code compiled for AVX2.
     #[inline(always)]
-    pub(super) fn apart(self, taps: &[Footprint; LANES], word_shift: u32, bank_mask: u32) -> u8 {
+    pub(super) fn apart(self, taps: &[Footprint; LANES], word_shift: u32, bank_mask: u32) -> Option<u8> {
         // SAFETY: as above.
         unsafe { banks::apart(self, taps, word_shift, bank_mask) }
     }
