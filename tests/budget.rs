@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use texunit::{
-    budget::{Budget, Ledger, Steps},
+    budget::{self, Budget, Ledger, Steps},
     machine::Machine,
     scene::{Scene, TextureSource},
 };
@@ -24,26 +24,12 @@ fn budget(settings: &[&str], filter: Filter) -> Budget {
     ledger(&machine, &[filter]).budget(filter).unwrap()
 }
 
-const FILTERS: [Filter; 12] = [
-    Filter::Point,
-    Filter::Bilinear,
-    Filter::NearestMip,
-    Filter::Trilinear,
-    Filter::Brilinear,
-    Filter::MipDouble,
-    Filter::Dipmap,
-    Filter::DipmapTrilinear,
-    Filter::Ripmap,
-    Filter::Texram,
-    Filter::Feline,
-    Filter::Fast,
-];
-
 #[test]
 fn the_parts_of_every_sample_in_order_add_up_to_its_error_and_end_at_the_chip() {
     let machine = Machine::default();
-    let ledger = ledger(&machine, &FILTERS);
-    for filter in FILTERS {
+    let filters: Vec<Filter> = budget::filters().collect();
+    let ledger = ledger(&machine, &filters);
+    for filter in filters {
         let steps = ledger.steps(filter).unwrap();
         assert!(steps.len() == 900);
         for steps in &steps {

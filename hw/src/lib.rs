@@ -57,6 +57,6 @@ pub use fixed::types::I12F20;
 pub use format::{Format, Palette};
 pub use layout::Layout;
 pub use request::{LodSource, Request, Response};
-pub use sampler::{Filter, LevelRounding, Log2, PyramidKind, Rounding, Sampler, SamplerError};
+pub use sampler::{FILTERS, Filter, LevelRounding, Log2, PyramidKind, Rounding, Sampler, SamplerError};
 pub use surface::{Surface, SurfaceError};
 pub use unit::{Batch, Requests, Sink, Unit, UnitError};

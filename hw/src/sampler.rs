@@ -34,6 +34,23 @@ pub enum Filter {
     Sat,
 }
 
+/// Every filter, in the order of [`Filter`].
+pub const FILTERS: [Filter; 13] = [
+    Filter::Point,
+    Filter::Bilinear,
+    Filter::NearestMip,
+    Filter::Trilinear,
+    Filter::Brilinear,
+    Filter::MipDouble,
+    Filter::Dipmap,
+    Filter::DipmapTrilinear,
+    Filter::Ripmap,
+    Filter::Texram,
+    Filter::Feline,
+    Filter::Fast,
+    Filter::Sat,
+];
+
 /// Which planes a pyramid holds (docs/numerics.md, section 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum PyramidKind {

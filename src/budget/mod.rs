@@ -8,7 +8,7 @@ mod unrounded;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use texunit_hw::{AddressMode, Filter, LodSource, Response, Sampler, Unit};
+use texunit_hw::{AddressMode, FILTERS, Filter, LodSource, Response, Sampler, Unit};
 
 use crate::{
     error::{Error, Result},
@@ -24,6 +24,11 @@ use unrounded::Unrounded;
 
 /// The quantisations, in the order they are turned on.
 pub const PARTS: [&str; 5] = ["coordinate", "fraction", "lod", "texel", "rounding"];
+
+/// The filters whose error has these parts: all that read texels.
+pub fn filters() -> impl Iterator<Item = Filter> {
+    FILTERS.into_iter().filter(|filter| *filter != Filter::Sat)
+}
 
 /// Red, green and blue are counted.
 const CHANNELS: usize = 3;

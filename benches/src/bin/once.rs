@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use texunit_benches::{workload::Case, yardstick};
 use texunit_hw::{
-    Batch, Filter, Geometry, Policy, Response, Sampler, Sink, Unit,
+    Batch, FILTERS, Geometry, Policy, Response, Sampler, Sink, Unit,
     cache::{Cache, Detail, TexelCache},
 };
 
@@ -27,21 +27,6 @@ impl Sink for Nothing {
 
 const SUBJECTS: &str = "hand-whole hand-sampling hand-bilinear hand-caching hand-cache whole whole-plain sampling scalar-sampling \
                         taps-and-texels addresses cache";
-
-const FILTERS: [Filter; 12] = [
-    Filter::Point,
-    Filter::Bilinear,
-    Filter::NearestMip,
-    Filter::Trilinear,
-    Filter::Brilinear,
-    Filter::MipDouble,
-    Filter::Dipmap,
-    Filter::DipmapTrilinear,
-    Filter::Ripmap,
-    Filter::Texram,
-    Filter::Feline,
-    Filter::Fast,
-];
 
 /// Everything below this frame is counted.
 #[inline(never)]

@@ -26,29 +26,39 @@ mod avx512;
 pub(super) use avx2::Avx2;
 pub(super) use avx512::Avx512;
 
-impl Avx2 {
-    /// [`Kernel::run`] in code compiled for AVX2.
-    pub(super) fn run<const ANSWER: bool, const WRITE: bool>(
-        self,
-        kernel: &Kernel<'_>,
-        requests: &[Request],
-        responses: &mut [Response],
-        footprints: &mut [Footprint],
-    ) {
-        #[target_feature(enable = "avx2")]
-        fn compiled<const ANSWER: bool, const WRITE: bool>(
-            m: Avx2,
-            kernel: &Kernel<'_>,
-            requests: &[Request],
-            responses: &mut [Response],
-            footprints: &mut [Footprint],
-        ) {
-            kernel.run::<Avx2, ANSWER, WRITE>(m, requests, responses, footprints);
+/// [`Kernel::run`] in code compiled for a machine: a `#[target_feature]` takes no features of a generic parameter.
+macro_rules! compiled_for {
+    ($machine:ident, $features:literal) => {
+        impl $machine {
+            /// [`Kernel::run`] in code compiled for this machine.
+            pub(super) fn run<const ANSWER: bool, const WRITE: bool>(
+                self,
+                kernel: &Kernel<'_>,
+                requests: &[Request],
+                responses: &mut [Response],
+                footprints: &mut [Footprint],
+            ) {
+                #[target_feature(enable = $features)]
+                fn compiled<const ANSWER: bool, const WRITE: bool>(
+                    m: $machine,
+                    kernel: &Kernel<'_>,
+                    requests: &[Request],
+                    responses: &mut [Response],
+                    footprints: &mut [Footprint],
+                ) {
+                    kernel.run::<$machine, ANSWER, WRITE>(m, requests, responses, footprints);
+                }
+                // SAFETY: it is unsafe to call only where one of these is missing, and `self` is the proof that none is.
+                unsafe { compiled::<ANSWER, WRITE>(self, kernel, requests, responses, footprints) }
+            }
         }
-        // SAFETY: it is unsafe to call only where there is no AVX2, and `self` is the proof that there is.
-        unsafe { compiled::<ANSWER, WRITE>(self, kernel, requests, responses, footprints) }
-    }
+    };
+}
 
+compiled_for!(Avx2, "avx2");
+compiled_for!(Avx512, "avx2,avx512f,avx512bw");
+
+impl Avx2 {
     /// [`footprints::filter`] in code compiled for AVX2.
     #[inline]
     pub(super) fn filter(
@@ -59,7 +69,7 @@ impl Avx2 {
         weight_bits: u32,
         answer: impl FnMut(Texel),
     ) {
-        // SAFETY: as above.
+        // SAFETY: it is unsafe to call only where there is no AVX2, and `self` is the proof that there is.
         unsafe { footprints::filter(self, texels, taps, ends, weight_bits, answer) }
     }
 
@@ -75,30 +85,6 @@ impl Avx2 {
     pub(super) fn apart(self, taps: &[Footprint; LANES], word_shift: u32, bank_mask: u32) -> Option<u8> {
         // SAFETY: as above.
         unsafe { banks::apart(self, taps, word_shift, bank_mask) }
-    }
-}
-
-impl Avx512 {
-    /// [`Kernel::run`] in code compiled for AVX-512.
-    pub(super) fn run<const ANSWER: bool, const WRITE: bool>(
-        self,
-        kernel: &Kernel<'_>,
-        requests: &[Request],
-        responses: &mut [Response],
-        footprints: &mut [Footprint],
-    ) {
-        #[target_feature(enable = "avx2,avx512f,avx512bw")]
-        fn compiled<const ANSWER: bool, const WRITE: bool>(
-            m: Avx512,
-            kernel: &Kernel<'_>,
-            requests: &[Request],
-            responses: &mut [Response],
-            footprints: &mut [Footprint],
-        ) {
-            kernel.run::<Avx512, ANSWER, WRITE>(m, requests, responses, footprints);
-        }
-        // SAFETY: it is unsafe to call only where one of these is missing, and `self` is the proof that none is.
-        unsafe { compiled::<ANSWER, WRITE>(self, kernel, requests, responses, footprints) }
     }
 }
 
