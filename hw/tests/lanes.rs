@@ -6,8 +6,8 @@ use proptest::{
     test_runner::{TestRng, TestRunner},
 };
 use texunit_hw::{
-    AddressMode, Batch, FILTERS, Filter, Footprint, Format, I12F20, Layout, LevelRounding, LodSource, Log2, Request, Requests,
-    Response, Rounding, Sampler, Sink, Surface, Unit,
+    AddressMode, Batch, FILTERS, Filter, Footprint, Format, I12F20, Layout, LevelRounding, LodSource, Log2, Request,
+    Requests, Response, Rounding, Sampler, Sink, Surface, Unit,
 };
 
 const MODES: [AddressMode; 4] = [AddressMode::Wrap, AddressMode::Clamp, AddressMode::Clip, AddressMode::Mirror];

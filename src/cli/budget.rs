@@ -2,18 +2,22 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use serde_json::{Value, json};
 use texunit_hw::Filter;
 
-use super::{progress_bar, run};
+use super::{
+    progress_bar,
+    scene_args::{image_size, scenes},
+};
 use crate::{
-    budget::{Budget, Ledger, PARTS},
+    budget::{self, Budget, Ledger, PARTS},
     error::Result,
     machine::parser,
     names::Named,
     output::{print, write_whole},
     report::stack::Stack,
+    report::table::framed,
 };
 
 /// Split the error of samples into coordinate, fraction, LOD, texel and rounding, one quantisation after the other
@@ -32,7 +36,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..))]
     samples: u32,
     /// Image size, instead of the scene's own, for instance 1920x1080
-    #[arg(long, value_name = "WxH", value_parser = run::size)]
+    #[arg(long, value_name = "WxH", value_parser = image_size)]
     size: Option<[u32; 2]>,
     /// Print JSON instead of the table
     #[arg(long)]
@@ -50,10 +54,9 @@ pub struct Args {
 /// Bad scenes, machines or filters, a file that cannot be written.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
-    let scenes = run::scenes(std::slice::from_ref(&args.scene), args.size)?;
+    let scenes = scenes(std::slice::from_ref(&args.scene), args.size)?;
     let scene = &scenes[0];
-    let every = || Filter::ALL.iter().map(|(_, filter)| *filter).filter(|filter| *filter != Filter::Sat).collect();
-    let filters: Vec<Filter> = if args.filters.is_empty() { every() } else { args.filters.clone() };
+    let filters = if args.filters.is_empty() { budget::filters().collect() } else { args.filters.clone() };
     let progress = progress_bar(filters.len() as u64 + 1);
     progress.set_message("pyramids");
     let ledger = Ledger::new(&machine, scene, &filters, args.samples as usize)?;
@@ -100,17 +103,8 @@ fn bars(scene: &str, budgets: &[Budget]) -> Stack {
 }
 
 fn table(budgets: &[Budget]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY).set_header([
-        "filter",
-        "part",
-        "share\nof RMS",
-        "RMS\nin order",
-        "worst",
-        "mean",
-        "RMS\nalone",
-        "worst",
-    ]);
+    let header = ["filter", "part", "share\nof RMS", "RMS\nin order", "worst", "mean", "RMS\nalone", "worst"];
+    let mut table = framed(header, 2..);
     let number = |value: f64| format!("{value:.4}");
     for budget in budgets {
         for (place, part) in budget.parts.iter().enumerate() {
@@ -132,9 +126,6 @@ fn table(budgets: &[Budget]) -> Table {
         let alone = [number(rest.rms), number(rest.worst)];
         let blank = std::iter::repeat_n(String::new(), 4);
         table.add_row(["".to_owned(), "interaction".to_owned()].into_iter().chain(blank).chain(alone));
-    }
-    for column in table.column_iter_mut().skip(2) {
-        column.set_cell_alignment(CellAlignment::Right);
     }
     table
 }

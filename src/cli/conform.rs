@@ -3,13 +3,16 @@
 use std::process::ExitCode;
 
 use clap::ArgAction;
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use texunit_hw::{
     Filter,
     peers::{Arithmetic, MACHINES},
 };
 
-use super::{progress_bar, run::scenes, run::size};
+use super::{
+    progress_bar,
+    scene_args::{image_size, scenes},
+};
 use crate::{
     conform::{
         FILTERS, Precision,
@@ -21,6 +24,7 @@ use crate::{
     machine::{Machine, PROFILES, parser},
     names::Named,
     output::print,
+    report::table::framed,
 };
 
 /// Check every sample of a scene as a conformance suite does: against all answers that so many bits of precision allow.
@@ -52,7 +56,7 @@ pub struct Args {
     #[arg(long)]
     any_norm: bool,
     /// Image size for every scene, instead of its own
-    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "largest")]
+    #[arg(long, value_name = "WxH", value_parser = image_size, conflicts_with = "largest")]
     size: Option<[u32; 2]>,
     /// Instead of scenes: the largest texture at which all samples are allowed, for every machine that ships, or the one named
     #[arg(long, action = ArgAction::SetTrue)]
@@ -147,12 +151,8 @@ fn run_scenes(args: &Args, filters: &[Filter], precision: Precision) -> Result<E
 const SHOWN: usize = 4;
 
 fn table(findings: &[Finding]) -> Table {
-    let mut table = Table::new();
     let header = ["scene", "filter", "samples", "undecided", "refused", "worst off"];
-    table.load_style(presets::UTF8_BORDERS_ONLY).set_header(header);
-    for column in table.column_iter_mut().skip(2) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
+    let mut table = framed(header, 2..);
     for finding in findings {
         let worst = if finding.refused == 0 { "-".into() } else { format!("{:.2}", finding.worst) };
         let counts = [finding.samples, finding.undecided, finding.refused].map(|count| count.to_string());
@@ -218,12 +218,8 @@ struct Row {
 }
 
 fn largest_table(rows: &[Row]) -> Table {
-    let mut table = Table::new();
     let header = ["", "machine", "filter", "largest 2^k", "largest 2^k - 1"];
-    table.load_style(presets::UTF8_BORDERS_ONLY).set_header(header);
-    for column in table.column_iter_mut().skip(3) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
+    let mut table = framed(header, 3..);
     for Row { kind, name, filter, largest } in rows {
         let size = |size: Option<u32>| size.map_or_else(|| "none".into(), |size| size.to_string());
         table.add_row([(*kind).into(), name.clone(), (*filter).into(), size(largest.power_of_two), size(largest.odd)]);

@@ -2,14 +2,13 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets};
-
 use crate::{
     error::Result,
     pyramid::{
         PlaneImage,
         drift::{Averaging, Channel},
     },
+    report::table::plain,
     scene::{Pattern, Procedural},
     texture_file,
 };
@@ -56,10 +55,8 @@ pub fn run(args: Args) -> Result<ExitCode> {
             columns.push((format!("{name} {bits} bit"), Channel::of_image(image, bits)));
         }
     }
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
     let names = columns.iter().map(|(name, _)| name.clone());
-    table.set_header(["rounding", "expected a level"].map(String::from).into_iter().chain(names));
+    let mut table = plain(["rounding", "expected a level"].map(String::from).into_iter().chain(names), 1..);
     for averaging in Averaging::ALL {
         let measured = columns.iter().map(|(_, channel)| {
             let drift = channel.drift(averaging, args.levels).last().copied().unwrap_or(0.0);
@@ -67,9 +64,6 @@ pub fn run(args: Args) -> Result<ExitCode> {
         });
         let expected = format!("{:+.3}", averaging.expected_drift());
         table.add_row([averaging.name().to_string(), expected].into_iter().chain(measured));
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
     }
     say!("Drift of the mean after {} levels, per cent of full scale; expected: steps of the channel.", args.levels);
     say!("{table}");

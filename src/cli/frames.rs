@@ -2,39 +2,31 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use texunit_hw::Filter;
 
-use super::{progress_bar, run};
+use super::{progress_bar, scene_args::SceneArgs};
 use crate::{
     error::{Error, Result},
     experiment::{Pyramids, Stage, report},
     flicker::Flicker,
-    machine::parser,
     names::Named,
     output::{create_folder, write_whole},
+    report::table::framed,
 };
 
 /// Temporal error beside the spatial one, over the frames of a scene with a path
 ///
-/// Flicker is the root mean square of what the error of a pixel changes from frame to frame. The cache is kept warm from
+/// A scene moves if it has a `[path]`; of those that ship, walk does. Flicker is the root mean square of what the error of a pixel changes from frame to frame. The cache is kept warm from
 /// frame to frame, and counted cold at every frame beside it. Writes frames.json.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scenes with a `[path]`: names of those that ship (walk) or TOML files
-    #[arg(value_name = "SCENE", required = true)]
-    scenes: Vec<String>,
-    /// Filters, all if none is given
-    #[arg(long, short, value_delimiter = ',', value_parser = parser::<Filter>())]
-    filters: Vec<Filter>,
+    #[command(flatten)]
+    scenes: SceneArgs,
     /// Folder for results
     #[arg(short, long, value_name = "DIR", default_value = "out/frames")]
     output: PathBuf,
-    /// Image size for every scene, instead of its own, for instance 320x240
-    #[arg(long, value_name = "WxH", value_parser = run::size)]
-    size: Option<[u32; 2]>,
     #[command(flatten)]
     machine: super::MachineArgs,
 }
@@ -45,12 +37,8 @@ pub struct Args {
 /// Scenes without a path, bad machines or folders.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
-    let scenes = run::scenes(&args.scenes, args.size)?;
-    let filters: Vec<Filter> = if args.filters.is_empty() {
-        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
-    } else {
-        args.filters.clone()
-    };
+    let scenes = args.scenes.scenes()?;
+    let filters = args.scenes.filters();
     if let Some(still) = scenes.iter().find(|scene| scene.path.is_none()) {
         return Err(Error::setting(
             "SCENE",
@@ -99,9 +87,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 }
 
 fn table(flickers: &[Flicker]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY);
-    table.set_header(["filter", "RMSE\nLSB", "flicker\nLSB", "flicker\nworst", "B/pixel\ncold", "B/pixel\nwarm"]);
+    let header = ["filter", "RMSE\nLSB", "flicker\nLSB", "flicker\nworst", "B/pixel\ncold", "B/pixel\nwarm"];
+    let mut table = framed(header, 1..);
     for flicker in flickers {
         let metrics = flicker.metrics();
         let number = |name: &str| {
@@ -111,6 +98,5 @@ fn table(flickers: &[Flicker]) -> Table {
         let names = ["rmse", "flicker_rmse", "flicker_worst", "bytes_per_pixel_cold", "bytes_per_pixel_warm"];
         table.add_row([vec![flicker.filter().name().to_owned()], names.map(number).to_vec()].concat());
     }
-    table.column_iter_mut().skip(1).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
     table
 }

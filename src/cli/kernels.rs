@@ -2,14 +2,13 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets};
-
 use crate::{
     error::Result,
     names::Named,
     output::{create_folder, write_whole},
     pyramid::{Kernel, response::Response},
     report::response_plot,
+    report::table::plain,
 };
 
 /// Frequency response of the pyramid kernels: pass-band loss, stop-band leak, ringing
@@ -42,9 +41,8 @@ pub fn run(args: Args) -> Result<ExitCode> {
         create_folder(folder)?;
         write_whole(&folder.join("kernels.svg"), |file| file.write_all(drawing.as_bytes()))?;
     }
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header(["kernel", "taps", "pass-band loss", "stop-band leak", "step on the grid", "step off the grid"]);
+    let header = ["kernel", "taps", "pass-band loss", "stop-band leak", "step on the grid", "step off the grid"];
+    let mut table = plain(header, 1..);
     for response in &responses {
         let range = |aligned| {
             let (low, high) = response.step_extremes(aligned);
@@ -58,9 +56,6 @@ pub fn run(args: Args) -> Result<ExitCode> {
             range(true),
             range(false),
         ]);
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
     }
     say!("{table}");
     Ok(ExitCode::SUCCESS)

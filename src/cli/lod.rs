@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 
 use crate::{
     error::Result,
@@ -12,6 +12,7 @@ use crate::{
         polygon::PolygonRule,
     },
     names::Named,
+    report::table::plain,
     scene::{Gradient, Norm, Scene, Surface},
 };
 
@@ -32,15 +33,6 @@ pub fn run(_args: &Args) -> Result<ExitCode> {
     say!("\nA level for the whole polygon: 256 x 256 texture on a square (E4, E15)\n{}", polygon_table());
     say!("\n{}", edge_line()?);
     Ok(ExitCode::SUCCESS)
-}
-
-fn table(header: &[&str], left: usize) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(header);
-    for column in table.column_iter_mut().skip(left) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
 }
 
 fn signed(value: f64) -> String {
@@ -64,10 +56,7 @@ fn ladder_table() -> Table {
         "mean",
         "source",
     ];
-    let mut table = table(&header, 1);
-    if let Some(column) = table.column_mut(header.len() - 1) {
-        column.set_cell_alignment(CellAlignment::Left);
-    }
+    let mut table = plain(header, 1..header.len() - 1);
     for rung in ladder::measure() {
         let of = |error: ladder::LodError| [error.least, error.greatest, error.mean].map(signed);
         let mut row = vec![rung.log2.name().to_owned()];
@@ -99,7 +88,7 @@ fn norm_table() -> Table {
     ];
     let mut header = vec!["footprint"];
     header.extend(Norm::ALL.map(Norm::name));
-    let mut table = table(&header, 1);
+    let mut table = plain(header, 1..);
     for (name, [ux, uy, vx, vy]) in cases {
         let level = |norm: Norm| {
             let squared = f64::from(norm.squared_ratio(Gradient { ux, uy, vx, vy }));
@@ -112,7 +101,7 @@ fn norm_table() -> Table {
 
 fn polygon_table() -> Table {
     let header = ["pixels on a side", "texels : pixels", "exact", "Herf as printed", "Herf halved", "Flavell"];
-    let mut table = table(&header, 0);
+    let mut table = plain(header, ..);
     for side in [256.0, 147.8, 128.0, 100.0, 96.8, 64.0, 32.0] {
         let ratio = (256.0 / side) * (256.0 / side);
         let levels = PolygonRule::ALL.map(|rule| rule.level(256.0 * 256.0, side * side, 8).to_string());

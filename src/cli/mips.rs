@@ -5,7 +5,6 @@ use std::{
     process::ExitCode,
 };
 
-use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 use texunit_hw::{AddressMode, Format, PyramidKind};
 
@@ -14,6 +13,7 @@ use crate::{
     names::{Named, by_name},
     output::{create_folder, write_whole},
     pyramid::{Build, From, Kernel, PlaneRounding, Pyramid, build::is_premultiplied, image_file, planes_of},
+    report::table::plain,
     texel_format::{Stored, StoredPlane},
     texture_file,
 };
@@ -174,8 +174,7 @@ fn write_planes(folder: &Path, stored: &Stored, pyramid: &Pyramid, listing: &Lis
 }
 
 fn print_table(listing: &Listing) -> Result<()> {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(["lu", "lv", "width", "height", "bytes", "file"]);
+    let mut table = plain(["lu", "lv", "width", "height", "bytes", "file"], ..5);
     for plane in &listing.planes {
         table.add_row([
             plane.lu.to_string(),
@@ -185,9 +184,6 @@ fn print_table(listing: &Listing) -> Result<()> {
             plane.bytes.to_string(),
             plane.png.clone(),
         ]);
-    }
-    for column in table.column_iter_mut().take(5) {
-        column.set_cell_alignment(CellAlignment::Right);
     }
     say!("{table}");
     say!(

@@ -26,6 +26,7 @@ mod report;
 mod reuse;
 mod run;
 mod sample;
+mod scene_args;
 mod scenes;
 mod stream;
 mod stress;

@@ -6,9 +6,10 @@ use image::RgbaImage;
 use serde_json::json;
 use texunit_hw::{Filter, LodSource};
 
+use super::scene_args::{SceneArgs, size_up_to};
 use crate::{
     error::{Error, Result},
-    machine::{Machine, parser},
+    machine::Machine,
     names::Named,
     needs::{Fit, LazyTexture, Loss, Needs, PixelNeeds, PpmFile, TileMemory, report, requests, requests_of_size},
     output::{print, write_whole},
@@ -20,17 +21,10 @@ use crate::{
 /// `texunit run --leave-out` leaves out what is not needed here and says what that saves (docs/leaving-out.md).
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scenes: names of those that ship or TOML files
-    #[arg(value_name = "SCENE", required = true)]
-    scenes: Vec<String>,
-    /// Filters, all if none is given
-    #[arg(long, short, value_delimiter = ',', value_parser = parser::<Filter>())]
-    filters: Vec<Filter>,
-    /// Image size for every scene, instead of its own, for instance 1920x1080
-    #[arg(long, value_name = "WxH", value_parser = super::run::size)]
-    size: Option<[u32; 2]>,
+    #[command(flatten)]
+    scenes: SceneArgs,
     /// Size of the texture instead of the scene's own, up to 1048576 a side; procedural textures only
-    #[arg(long, value_name = "WxH", value_parser = texture_size)]
+    #[arg(long, value_name = "WxH", value_parser = size_up_to::<{ 1 << 20 }>)]
     texture_size: Option<[u32; 2]>,
     /// Propose the smallest cache, FIFO and widths within the loss stated, with what was tried
     #[arg(long)]
@@ -54,13 +48,6 @@ pub struct Args {
     machine: super::MachineArgs,
 }
 
-fn texture_size(text: &str) -> Result<[u32; 2], String> {
-    text.split_once('x')
-        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]))
-        .filter(|size| size.iter().all(|side| (1..=1 << 20).contains(side)))
-        .ok_or_else(|| "write WIDTHxHEIGHT, each 1 to 1048576, for instance 32768x32768".into())
-}
-
 fn percent(text: &str) -> Result<f64, String> {
     let number: Option<f64> = text.trim_end_matches('%').parse().ok();
     number
@@ -75,12 +62,8 @@ fn percent(text: &str) -> Result<f64, String> {
 /// Bad scenes or machines, a texture that cannot be had by tiles.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
-    let mut scenes = super::run::scenes(&args.scenes, args.size)?;
-    let filters: Vec<Filter> = if args.filters.is_empty() {
-        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
-    } else {
-        args.filters.clone()
-    };
+    let mut scenes = args.scenes.scenes()?;
+    let filters = args.scenes.filters();
     for scene in &mut scenes {
         if let Some(size) = args.texture_size {
             let TextureSource::Procedural(texture) = &mut scene.texture.source else {

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use texunit_hw::Filter;
 
 use crate::{
@@ -10,6 +10,7 @@ use crate::{
     experiment::{Bench, Pyramids, Stage, alias},
     machine::Machine,
     names::Named,
+    report::table::plain,
     scene::{AxisRule, Pattern, Scene, TextureSource},
 };
 
@@ -75,17 +76,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn numbers(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(header);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
-}
-
 fn published() -> Table {
-    let mut table = numbers(&["figure", "texture", "pixels", "Mipmap", "Ripmap", "Dipmap", "FAST"]);
+    let mut table = plain(["figure", "texture", "pixels", "Mipmap", "Ripmap", "Dipmap", "FAST"], 1..);
     for row in &TABLE_ONE {
         let cell = |time: f64| format!("{time:.2} ({:.2})", time / row.microseconds[0]);
         let first = [row.figure.to_string(), row.pattern.name().into(), row.pixels.to_string()];
@@ -95,19 +87,9 @@ fn published() -> Table {
 }
 
 fn measured(stage: &Stage, machine: &Machine, row: &Published, repeats: u8) -> Result<Table> {
-    let mut table = numbers(&[
-        "filter",
-        "texels",
-        "taps",
-        "lerps",
-        "host ns",
-        "ratio",
-        "paper",
-        "B uncached",
-        "B cached",
-        "RMSE",
-        "worst",
-    ]);
+    let header =
+        ["filter", "texels", "taps", "lerps", "host ns", "ratio", "paper", "B uncached", "B cached", "RMSE", "worst"];
+    let mut table = plain(header, 1..);
     let filters: Vec<Filter> = COLUMNS.iter().map(|(_, filter, ..)| *filter).collect();
     let pyramids = Pyramids::for_filters(machine, &stage.texture, &filters)?;
     let mut of_mipmap = None;
@@ -142,7 +124,7 @@ fn measured(stage: &Stage, machine: &Machine, row: &Published, repeats: u8) -> R
 
 fn aliases(machine: &Machine) -> Result<Table> {
     const SCALES: [f64; 4] = [2.0, 4.0, 8.0, 16.0];
-    let mut table = numbers(&["filter", "noise 2x", "4x", "8x", "16x", "stripes 2x", "4x", "8x", "16x"]);
+    let mut table = plain(["filter", "noise 2x", "4x", "8x", "16x", "stripes 2x", "4x", "8x", "16x"], 1..);
     let mipmap = SCALES.map(|scale| alias::residue(machine, Filter::Trilinear, scale));
     for (name, filter) in Filter::ALL.iter().filter(|(_, filter)| filter.uses_level() || *filter == Filter::Sat) {
         let mut noise = Vec::new();

@@ -2,18 +2,17 @@
 
 use std::{path::PathBuf, process::ExitCode, sync::atomic::Ordering};
 
-use comfy_table::{CellAlignment, Table, presets};
 use serde_json::json;
-use texunit_hw::Filter;
 
-use super::{STOP, progress_bar, run, stop_on_ctrl_c};
+use super::{STOP, progress_bar, scene_args::SceneArgs, stop_on_ctrl_c};
 use crate::{
     error::{Error, Result},
     experiment::Stage,
-    machine::{Machine, parser},
+    machine::Machine,
     names::Named,
     output::{create_folder, write_whole},
     pareto::{Candidate, MORE_IS_BETTER, Study, mark_front, plot, scene_json, variants},
+    report::table::framed,
 };
 
 /// Error against cost for every filter and for the knobs inside it; the Pareto front is marked
@@ -22,18 +21,11 @@ use crate::{
 /// `texunit verify` do that.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scenes: names of those that ship or TOML files
-    #[arg(value_name = "SCENE", required = true)]
-    scenes: Vec<String>,
-    /// Filters, all if none is given
-    #[arg(long, short, value_delimiter = ',', value_parser = parser::<Filter>())]
-    filters: Vec<Filter>,
+    #[command(flatten)]
+    scenes: SceneArgs,
     /// Folder for results
     #[arg(short, long, value_name = "DIR", default_value = "out/pareto")]
     output: PathBuf,
-    /// Image size for every scene, instead of its own, for instance 320x240
-    #[arg(long, value_name = "WxH", value_parser = run::size)]
-    size: Option<[u32; 2]>,
     /// The error: rmse, psnr, worst, ssim, alias_energy, blur_energy
     #[arg(long, default_value = "rmse")]
     error: String,
@@ -61,12 +53,8 @@ fn axis(text: &str) -> Result<(String, Vec<String>), String> {
 /// Bad scenes, machines, metrics or folders.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
-    let scenes = run::scenes(&args.scenes, args.size)?;
-    let filters: Vec<Filter> = if args.filters.is_empty() {
-        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
-    } else {
-        args.filters.clone()
-    };
+    let scenes = args.scenes.scenes()?;
+    let filters = args.scenes.filters();
     create_folder(&args.output)?;
     let variants = variants(&filters, !args.plain, &args.vary);
     stop_on_ctrl_c();
@@ -111,7 +99,6 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 
 /// The front, cheapest first, and how many variants it left behind.
 fn print(scene: &str, candidates: &[Candidate], args: &Args) -> Result<()> {
-    let mut table = Table::new();
     let columns = [
         args.cost.as_str(),
         args.error.as_str(),
@@ -125,7 +112,7 @@ fn print(scene: &str, candidates: &[Candidate], args: &Args) -> Result<()> {
     ];
     let mut heads = vec!["filter", "settings"];
     heads.extend(columns);
-    table.load_style(presets::UTF8_BORDERS_ONLY).set_header(heads);
+    let mut table = framed(heads, 2..);
     let mut front: Vec<&Candidate> = candidates.iter().filter(|candidate| candidate.front).collect();
     let by = |candidate: &Candidate| candidate.metric(&args.cost).unwrap_or(f64::NAN);
     front.sort_by(|a, b| by(a).total_cmp(&by(b)));
@@ -137,7 +124,6 @@ fn print(scene: &str, candidates: &[Candidate], args: &Args) -> Result<()> {
         );
         table.add_row(row);
     }
-    table.column_iter_mut().skip(2).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
     let sense = if MORE_IS_BETTER.contains(&args.error.as_str()) { "more" } else { "less" };
     say!(
         "\n{scene}: {} of {} variants are on the front ({sense} {} is better)",

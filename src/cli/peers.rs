@@ -2,13 +2,14 @@
 
 use std::process::ExitCode;
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use texunit_hw::peers::{Arithmetic, Blend, LEVEL_BITS, LevelUnit, Logarithm, Rounding, Shape, Space, Weights};
 
 use crate::{
     error::Result,
     output::print,
     peers::{CONVENTIONS, PUBLISHED_TAPS, Spread, TapError, keeps_flat_fields, level_error, measure},
+    report::table::plain,
 };
 
 /// Show the arithmetic of other machines (coordinates, weights, roundings, levels) with its error against exact.
@@ -64,19 +65,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
 
 type Measured = (&'static Arithmetic, TapError, Option<Spread>);
 
-fn table(header: &[&str], left: usize) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(header);
-    for column in table.column_iter_mut().skip(left) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
-}
-
 fn parameters(measured: &[Measured]) -> Table {
     let header =
         ["machine", "coordinate", "fraction", "half texel", "weights", "rounding", "level", "two levels", "source"];
-    let mut table = table(&header, header.len());
+    let mut table = plain(header, 0..0);
     for (machine, ..) in measured {
         table.add_row([
             machine.name.to_owned(),
@@ -166,7 +158,7 @@ fn taps(measured: &[Measured]) -> Table {
         "mean",
         "right",
     ];
-    let mut table = table(&header, 1);
+    let mut table = plain(header, 1..);
     let share = |right: f64| format!("{:.1} %", 100.0 * right);
     for (machine, tap, _) in measured {
         let digits = |value: f64| format!("{value:+.3}");
@@ -190,7 +182,7 @@ fn taps(measured: &[Measured]) -> Table {
 
 fn logarithms(levels: &[(&crate::peers::Convention, Spread)]) -> Table {
     let header = ["convention", "least", "greatest", "mean", "published: least", "greatest", "mean"];
-    let mut table = table(&header, 1);
+    let mut table = plain(header, 1..);
     for (convention, error) in levels {
         let mut row = vec![convention.name.to_owned()];
         for Spread { least, greatest, mean } in [*error, convention.published] {

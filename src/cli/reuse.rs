@@ -2,18 +2,17 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use texunit_hw::Filter;
 
-use super::{progress_bar, run};
+use super::{progress_bar, scene_args::SceneArgs};
 use crate::{
     error::Result,
-    machine::parser,
     names::Named,
     output::{create_folder, write_whole},
     report::plot::{Axis, Plot, Series, Style},
+    report::table::framed,
     reuse::Reuse,
     scene::Scene,
 };
@@ -25,18 +24,11 @@ use crate::{
 /// with a path is followed through all its frames.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scenes: names of those that ship or TOML files
-    #[arg(value_name = "SCENE", required = true)]
-    scenes: Vec<String>,
-    /// Filters, all if none is given
-    #[arg(long, short, visible_alias = "filter", value_delimiter = ',', value_parser = parser::<Filter>())]
-    filters: Vec<Filter>,
+    #[command(flatten)]
+    scenes: SceneArgs,
     /// Folder for results
     #[arg(short, long, value_name = "DIR", default_value = "out/reuse")]
     output: PathBuf,
-    /// Image size for every scene, instead of its own, for instance 1920x1080
-    #[arg(long, value_name = "WxH", value_parser = run::size)]
-    size: Option<[u32; 2]>,
     #[command(flatten)]
     machine: super::MachineArgs,
 }
@@ -47,12 +39,8 @@ pub struct Args {
 /// Bad scenes, machines or folders.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
-    let scenes = run::scenes(&args.scenes, args.size)?;
-    let filters: Vec<Filter> = if args.filters.is_empty() {
-        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
-    } else {
-        args.filters.clone()
-    };
+    let scenes = args.scenes.scenes()?;
+    let filters = args.scenes.filters();
     create_folder(&args.output)?;
     let frames: u64 = scenes.iter().map(|scene| u64::from(scene.frame_count())).sum();
     let progress = progress_bar(frames * filters.len() as u64);
@@ -101,8 +89,7 @@ fn miss_curves(scene: &str, all: &[Reuse]) -> Plot {
 fn print(scene: &Scene, all: &[Reuse]) -> Result<()> {
     let [width, height] = scene.size;
     say!("\n{}: {width} x {height}, {} frames", scene.name, scene.frame_count());
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY).set_header([
+    let header = [
         "filter",
         "lookups",
         "lines",
@@ -112,7 +99,8 @@ fn print(scene: &Scene, all: &[Reuse]) -> Result<()> {
         "lines of\nlast frame %",
         "8 x 8 tile\nmean lines",
         "64 x 64\nmean lines",
-    ]);
+    ];
+    let mut table = framed(header, 1..);
     for reuse in all {
         let share = |part: u64, whole: u64| 100.0 * part as f64 / whole.max(1) as f64;
         let later = reuse.frames.iter().skip(1);
@@ -130,7 +118,6 @@ fn print(scene: &Scene, all: &[Reuse]) -> Result<()> {
             format!("{:.1}", reuse.tiles[3].mean),
         ]);
     }
-    table.column_iter_mut().skip(1).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
     say!("{table}");
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::{
     fs::{File, TryLockError},
     io::Write,
-    path::{Component, Path, PathBuf},
+    path::{Path, PathBuf},
     process::ExitCode,
     sync::atomic::Ordering,
 };
@@ -11,7 +11,11 @@ use std::{
 use image::RgbaImage;
 use texunit_hw::Filter;
 
-use super::{STOP, progress_bar, stop_on_ctrl_c};
+use super::{
+    STOP, progress_bar,
+    scene_args::{image_size, scenes},
+    stop_on_ctrl_c,
+};
 use crate::{
     error::{Error, Result},
     experiment::{Bench, FloatOutcome, Outcome, Pyramids, Stage, ewa, report},
@@ -19,7 +23,6 @@ use crate::{
     names::{AnyFilter, Named},
     needs,
     output::{create_folder, print, write_whole},
-    scene::Scene,
 };
 
 /// Render scenes through the texture unit, prove their pixels against the reference, and count the traffic.
@@ -38,7 +41,7 @@ pub struct Args {
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     output: PathBuf,
     /// Image size for every scene, instead of its own, for instance 1920x1080
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = image_size)]
     size: Option<[u32; 2]>,
     /// Print report.json on standard output instead of the tables
     #[arg(long)]
@@ -48,14 +51,6 @@ pub struct Args {
     leave_out: bool,
     #[command(flatten)]
     machine: super::MachineArgs,
-}
-
-/// A size on a command line.
-pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
-    text.split_once('x')
-        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]))
-        .filter(|size| size.iter().all(|side| (1..=16384).contains(side)))
-        .ok_or_else(|| "write WIDTHxHEIGHT, each 1 to 16384, for instance 1920x1080".into())
 }
 
 /// Runs the command.
@@ -128,32 +123,6 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         print(|out| writeln!(out, "\nReports and images: {}", args.output.display()))?;
     }
     Ok(if mismatches == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
-}
-
-/// The scenes of names and files, all that ship if there are none.
-pub(super) fn scenes(names: &[String], size: Option<[u32; 2]>) -> Result<Vec<Scene>> {
-    let mut scenes: Vec<Scene> = if names.is_empty() {
-        Scene::builtins()?
-    } else {
-        names.iter().map(|name| Scene::find(name)).collect::<Result<_>>()?
-    };
-    if let Some(size) = size {
-        for scene in &mut scenes {
-            scene.size = size;
-        }
-    }
-    for (number, Scene { name, .. }) in scenes.iter().enumerate() {
-        let wrong = |problem, remedy| Err(Error::setting("scene.name", name, problem, remedy));
-        // Each scene has a folder of its name for its images.
-        let mut parts = Path::new(name).components();
-        if !matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None)) || name.contains(['/', '\\']) {
-            return wrong("not the name of a folder", "name the scene without slashes, for instance my-floor");
-        }
-        if scenes[..number].iter().any(|other| other.name == *name) {
-            return wrong("two scenes have this name", "run each scene once, and give every scene a name of its own");
-        }
-    }
-    Ok(scenes)
 }
 
 /// Keeps a second run out of the folder until the file returned is dropped: their reports and images would mix.

@@ -2,11 +2,12 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 
 use crate::{
     error::{Error, Result},
     output::{print, write_whole},
+    report::table::plain,
     scene::Scene,
 };
 
@@ -50,9 +51,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
 }
 
 fn list() -> Result<Table, Error> {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_header(["scene", "size", "texture", "covered pixels", "description"]);
+    let mut table = plain(["scene", "size", "texture", "covered pixels", "description"], 1..=3);
     for name in Scene::builtin_names() {
         let scene = Scene::builtin(name)?;
         let [width, height] = scene.size;
@@ -64,11 +63,6 @@ fn list() -> Result<Table, Error> {
             scene.coverage().covered.to_string(),
             scene.description,
         ]);
-    }
-    for column in 1..=3 {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
     }
     Ok(table)
 }

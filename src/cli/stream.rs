@@ -2,7 +2,7 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use image::RgbaImage;
 use serde_json::{Value, json};
 use texunit_hw::{AddressMode, Filter};
@@ -13,6 +13,7 @@ use crate::{
     machine::parser,
     names::Named,
     output::{create_folder, print, write_whole},
+    report::table::framed,
     scene::{Camera, Rotation},
     stream::{Stream, StreamOutcome, StreamRun, mesh::Mesh, raster::rasterize, requests_file},
 };
@@ -41,7 +42,7 @@ pub struct Args {
     #[arg(long, value_parser = parser::<AddressMode>(), default_value = "wrap")]
     wrap: AddressMode,
     /// Picture of a mesh
-    #[arg(long, value_name = "WxH", value_parser = super::run::size, default_value = "640x480")]
+    #[arg(long, value_name = "WxH", value_parser = super::scene_args::image_size, default_value = "640x480")]
     size: [u32; 2],
     /// Turn a mesh about its x, then its y, then its z axis, degrees
     #[arg(
@@ -171,9 +172,7 @@ fn parts(stream: &Stream, outcome: &StreamOutcome) -> Vec<Value> {
 }
 
 fn table(stream: &Stream, filter: Filter, outcome: &StreamOutcome) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY);
-    table.set_header(["texture", "filter", "requests", "reads", "misses", "miss rate %"]);
+    let mut table = framed(["texture", "filter", "requests", "reads", "misses", "miss rate %"], 2..);
     let row = |name: &str, filter: &str, requests: u64, lookups: u64, misses: u64| {
         let rate = 100.0 * misses as f64 / lookups.max(1) as f64;
         [
@@ -192,9 +191,6 @@ fn table(stream: &Stream, filter: Filter, outcome: &StreamOutcome) -> Table {
     let requests = stream.requests.len() as u64;
     let counters = &outcome.counters;
     table.add_row(row("all", filter.name(), requests, counters.lookups, counters.misses));
-    for column in table.column_iter_mut().skip(2) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
     table
 }
 

@@ -2,13 +2,13 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
 
 use super::progress_bar;
 use crate::{
     error::{Error, Result},
     output::{print, write_whole},
+    report::table::plain,
     stress::{CASES, Case, Finding, Options, Q, Summary, shown},
 };
 
@@ -84,17 +84,13 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Case>> {
 fn show(out: &mut dyn std::io::Write, finding: &Finding) -> std::io::Result<()> {
     let verdict = if finding.passes() { "pass" } else { "FAIL" };
     writeln!(out, "\n{} {}: {verdict}\nCareless: {}", finding.name, finding.title, finding.wrong)?;
-    let mut table = Table::new();
     let header = ["input", "unit", "careless", "ours", "ideal", "careless\nerror", "our error", "allowed", ""];
-    table.load_style(presets::NOTHING).set_header(header);
+    let mut table = plain(header, 2..);
     for row in &finding.rows {
         let numbers = [row.careless, row.ours, row.ideal, row.careless_error(), row.error(), row.allowed];
         let verdict = if row.passes() { "" } else { "FAIL" };
         let cells = [row.input.clone(), row.unit.into()].into_iter().chain(numbers.map(shown));
         table.add_row(cells.chain([verdict.into()]));
-    }
-    for column in table.column_iter_mut().skip(2) {
-        column.set_cell_alignment(CellAlignment::Right);
     }
     writeln!(out, "{table}")
 }

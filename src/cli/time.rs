@@ -2,15 +2,17 @@
 
 use std::{path::PathBuf, process::ExitCode};
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use serde_json::json;
-use texunit_hw::{Filter, timing::TimingCounters};
+use texunit_hw::timing::TimingCounters;
 
+use super::scene_args::{FilterArgs, image_size};
 use crate::{
     error::{Error, Result},
-    machine::{Machine, parser},
+    machine::Machine,
     names::Named,
     output::write_whole,
+    report::table::framed,
     scene::Scene,
     timed_run::{Timed, TimedBench},
     timing_output::{Recording, epochs, kanata, memory_trace, perfetto, vcd},
@@ -23,11 +25,10 @@ use crate::{
 pub struct Args {
     /// Scene: a name that ships or a TOML file
     scene: String,
-    /// Filters, all if none is given
-    #[arg(long, short, value_delimiter = ',', value_parser = parser::<Filter>())]
-    filter: Vec<Filter>,
+    #[command(flatten)]
+    filters: FilterArgs,
     /// Image size instead of the scene's own, for instance 640x480
-    #[arg(long, value_name = "WxH", value_parser = super::run::size)]
+    #[arg(long, value_name = "WxH", value_parser = image_size)]
     size: Option<[u32; 2]>,
     /// Write all counters every N requests as CSV
     #[arg(long, num_args = 2, value_names = ["N", "FILE"])]
@@ -76,11 +77,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if let Some(size) = args.size {
         scene.size = size;
     }
-    let filters: Vec<Filter> = if args.filter.is_empty() {
-        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
-    } else {
-        args.filter.clone()
-    };
+    let filters = args.filters.filters();
     let files = [&args.kanata, &args.perfetto, &args.vcd, &args.memory_trace];
     let events = files.iter().any(|file| file.is_some());
     if filters.len() > 1 && (events || args.epochs.is_some()) {
@@ -149,9 +146,7 @@ fn write_events(args: &Args, machine: &Machine, recording: &Recording) -> Result
 
 /// One row a filter.
 fn table(all: &[Timed]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY);
-    table.set_header([
+    let header = [
         "filter",
         "cycles/px",
         "taps/px",
@@ -164,7 +159,8 @@ fn table(all: &[Timed]) -> Table {
         "row hit %",
         "latency",
         "pJ/px",
-    ]);
+    ];
+    let mut table = framed(header, 1..);
     for timed in all {
         let c = &timed.counters;
         let per = |value: u64, whole: u64| value as f64 / whole.max(1) as f64;
@@ -184,9 +180,6 @@ fn table(all: &[Timed]) -> Table {
             format!("{:.0}", per(c.request_latency_sum, c.requests)),
             format!("{:.0}", timed.energy.total() / c.requests.max(1) as f64),
         ]);
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
     }
     table
 }

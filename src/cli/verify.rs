@@ -2,16 +2,17 @@
 
 use std::process::ExitCode;
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use indicatif::{ProgressBar, ProgressStyle};
 use texunit_hw::{Filter, Format};
 
+use super::scene_args::FilterArgs;
 use crate::{
     error::Result,
     experiment::verify::{Finding, combinations, compare, random_subjects, scene_subjects},
-    machine::parser,
     names::Named,
     output::print,
+    report::table::framed,
     scene::Scene,
 };
 
@@ -21,9 +22,8 @@ use crate::{
 /// Exit status: 0 all answers equal, 1 a mismatch was found (the first is printed with everything needed to repeat it), 2 bad use.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Filters, all if none is given
-    #[arg(long, short, value_delimiter = ',', value_parser = parser::<Filter>())]
-    filters: Vec<Filter>,
+    #[command(flatten)]
+    filters: FilterArgs,
     /// Random requests for each combination on each of nine textures of awkward shapes
     #[arg(long, value_name = "N", default_value_t = 60_000)]
     random: usize,
@@ -43,11 +43,7 @@ pub struct Args {
 /// Bad machines.
 pub fn run(args: &Args) -> Result<ExitCode> {
     let machine = args.machine.load()?;
-    let filters: Vec<Filter> = if args.filters.is_empty() {
-        Filter::ALL.iter().map(|(_, filter)| *filter).collect()
-    } else {
-        args.filters.clone()
-    };
+    let filters = args.filters.filters();
     // The default stands for all of them; whoever names another one means that one.
     let format = Some(machine.texture.format).filter(|format| *format != Format::Rgba8);
     let combinations = combinations(&filters, format);
@@ -117,11 +113,7 @@ fn rows(filters: &[Filter], findings: &[Finding]) -> Vec<Row> {
 }
 
 fn table(rows: &[Row]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY).set_header(["filter", "runs", "samples", "mismatches"]);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
+    let mut table = framed(["filter", "runs", "samples", "mismatches"], 1..);
     for row in rows {
         table.add_row([
             row.filter.to_string(),

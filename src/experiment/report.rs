@@ -1,6 +1,6 @@
 //! What a run says: one structure, printed as a table, as JSON and as long-form CSV.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -11,6 +11,7 @@ use crate::{
     machine::Machine,
     names::Named,
     needs::{self, LeftOut},
+    report::table::framed,
     timed_run::Timed,
 };
 
@@ -128,8 +129,7 @@ pub fn float_metrics(outcome: &FloatOutcome) -> Vec<Metric> {
 /// The table of one scene; filters in floats come last, with their counts and errors only.
 #[must_use]
 pub fn table(outcomes: &[Outcome], floats: &[FloatOutcome]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY).set_header([
+    let header = [
         "filter",
         "cycles\n/pixel",
         "reads\n/pixel",
@@ -144,10 +144,8 @@ pub fn table(outcomes: &[Outcome], floats: &[FloatOutcome]) -> Table {
         "worst\nLSB",
         "mis-\nmatches",
         "host\nns/pixel",
-    ]);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
+    ];
+    let mut table = framed(header, 1..);
     let rows = outcomes.iter().map(|outcome| (outcome.filter.name().to_owned(), metrics(outcome)));
     let in_floats = floats.iter().map(|outcome| (format!("{} (float)", outcome.filter.name()), float_metrics(outcome)));
     for (name, metrics) in rows.chain(in_floats) {

@@ -1,18 +1,11 @@
 //! Needs and savings as tables and JSON.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use serde_json::{Value, json};
 use texunit_hw::{AddressMode, Sampler};
 
 use super::{Fit, ImageNeeds, LeftOut, Needs, PixelNeeds, Plan, TILE};
-use crate::names::Named;
-
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_BORDERS_ONLY).set_header(header.iter().copied());
-    table.column_iter_mut().skip(1).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
-    table
-}
+use crate::{names::Named, report::table::framed};
 
 fn percent(part: u64, whole: u64) -> f64 {
     100.0 * part as f64 / whole.max(1) as f64
@@ -67,7 +60,7 @@ fn address_logic(needs: &Needs, sampler: &Sampler) -> [&'static str; 2] {
 /// One line for each filter.
 #[must_use]
 pub fn needs_table(rows: &[(Needs, Sampler)]) -> Table {
-    let mut table = table(&[
+    let header = [
         "filter",
         "runs as",
         "taps\nneeded %",
@@ -79,7 +72,8 @@ pub fn needs_table(rows: &[(Needs, Sampler)]) -> Table {
         "u bits",
         "v bits",
         "LOD bits",
-    ]);
+    ];
+    let mut table = framed(header, 1..);
     for (needs, sampler) in rows {
         let plan = Plan::new(needs, sampler);
         let levels = needs.levels.map_or_else(
@@ -166,7 +160,7 @@ pub fn left_out_json(left_out: &LeftOut) -> Value {
 /// With and without, a line for each filter.
 #[must_use]
 pub fn left_out_table(rows: &[&LeftOut]) -> Table {
-    let mut table = table(&[
+    let header = [
         "filter",
         "runs as",
         "planes",
@@ -179,7 +173,8 @@ pub fn left_out_table(rows: &[&LeftOut]) -> Table {
         "host\nns/pixel",
         "needs\nns/pixel",
         "pixels\ndiffer",
-    ]);
+    ];
+    let mut table = framed(header, 1..);
     for left_out in rows {
         let LeftOut { needs, plan, channels, needs_seconds, without, with, differing } = left_out;
         let per_pixel = |value: f64| value / needs.requests.max(1) as f64;
@@ -209,7 +204,7 @@ pub fn left_out_table(rows: &[&LeftOut]) -> Table {
 /// Candidates in the order they were tried.
 #[must_use]
 pub fn fit_table(fit: &Fit) -> Table {
-    let mut table = table(&[
+    let header = [
         "setting",
         "value",
         "cache\nbytes",
@@ -219,7 +214,8 @@ pub fn fit_table(fit: &Fit) -> Table {
         "error\nRMSE LSB",
         "worst\nLSB",
         "",
-    ]);
+    ];
+    let mut table = framed(header, 1..);
     for candidate in &fit.candidates {
         let time = candidate.cycles as f64 / fit.cycles.max(1) as f64 * 100.0;
         table.add_row([

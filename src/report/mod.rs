@@ -4,3 +4,4 @@ pub mod page;
 pub mod plot;
 pub mod response_plot;
 pub mod stack;
+pub mod table;
