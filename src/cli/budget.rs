@@ -20,10 +20,11 @@ use crate::{
     report::table::framed,
 };
 
-/// Split the error of samples into coordinate, fraction, LOD, texel and rounding, one quantisation after the other
+/// Split the error of samples into what coordinate, fraction, LOD, texel and rounding add
 ///
-/// Errors are in LSB, of the chip against the same filter without widths on planes that were not rounded. `share` of the five
-/// parts adds up to the RMS of the total; `alone` is each part without the others, and `interaction` what these leave unexplained.
+/// One quantisation is turned on after the other. Errors are in LSB, of the chip against the same filter without widths on planes that
+/// were not rounded. `share` of the five parts adds up to the RMS of the total; `alone` is each part without the others, and
+/// `interaction` what these leave unexplained.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene: the name of one that ships or a TOML file

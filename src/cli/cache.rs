@@ -19,7 +19,7 @@ use crate::{
     machine::policy_from_name,
 };
 
-/// Counts the hits and misses of one cache on an address trace.
+/// Count the hits and misses of one cache on an address trace.
 ///
 /// Every address is one access to the line that holds its byte. Misses are compulsory (the first reference to the line),
 /// capacity (a fully associative LRU cache with as many lines misses too) or conflict (the rest).

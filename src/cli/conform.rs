@@ -27,9 +27,9 @@ use crate::{
     report::table::framed,
 };
 
-/// Check every sample of a scene as a conformance suite does: against all answers that so many bits of precision allow.
+/// Judge every sample of a scene as a conformance suite judges a driver
 ///
-/// The rule is that of dEQP's lookup verifier: a coordinate may be off by 2^-subtexel texels and a level by 2^-mipmap, and every texel
+/// An answer is held against all that so many bits of precision allow. The rule is that of dEQP's lookup verifier: a coordinate may be off by 2^-subtexel texels and a level by 2^-mipmap, and every texel
 /// and weight these can select is a candidate. It knows point, bilinear, nearest-mip and trilinear; no API promises bits for the
 /// other filters. Exit status: 0 all allowed, 1 an answer is refused (said in words: which pixel, which interval, how far off), 2 bad use.
 #[derive(Debug, clap::Args)]

@@ -13,7 +13,7 @@ use crate::{
     texture_file,
 };
 
-/// Mean drift of each rounding rule, and Flavell's darkening with and without its compensation
+/// Measure the drift of each rounding rule, and Flavell's darkening with and without compensation
 ///
 /// Every rule halves an image level by level in channels of 8, 6 and 5 bits: noise, the fur
 /// texture of the built-in scenes, its window panes (flat areas), and an image of yours. Shown is how far the mean of the last level

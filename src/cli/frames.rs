@@ -16,10 +16,11 @@ use crate::{
     report::table::framed,
 };
 
-/// Temporal error beside the spatial one, over the frames of a scene with a path
+/// Measure the temporal error beside the spatial one, over the frames of a scene with a path
 ///
-/// A scene moves if it has a `[path]`; of those that ship, walk does. Flicker is the root mean square of what the error of a pixel changes from frame to frame. The cache is kept warm from
-/// frame to frame, and counted cold at every frame beside it. Writes frames.json.
+/// A scene moves if it has a `[path]`; of those that ship, walk does. Flicker is the root mean square of what the error of a pixel
+/// changes from frame to frame. The cache is kept warm from frame to frame, and counted cold at every frame beside it. Writes
+/// frames.json.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]

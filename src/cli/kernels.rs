@@ -11,7 +11,7 @@ use crate::{
     report::table::plain,
 };
 
-/// Frequency response of the pyramid kernels: pass-band loss, stop-band leak, ringing
+/// Show the frequency response of the pyramid kernels: pass-band loss, stop-band leak, ringing
 ///
 /// For one 2:1 halving along one axis, on the integer taps planes are made with. Loss and leak are mean squares of the
 /// deviation from the ideal low-pass over 0..1/4 and 1/4..1/2 cycle per source texel; what leaks comes back as alias. Ringing is

@@ -16,7 +16,7 @@ use crate::{
     scene::{Gradient, Norm, Scene, Surface},
 };
 
-/// Show the error of every log2 unit, norm and polygon rule beside the published numbers.
+/// Show the error of every log2 unit, norm and polygon rule beside the published numbers
 ///
 /// Errors are in levels: 1 is a factor of two, negative is too sharp. "chip" is the unit as it is built, over all mantissas of
 /// two octaves; "sweep" the same over 2 million ratios, uniform in their logarithm; "idea" without the widths of the chip.

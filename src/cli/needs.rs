@@ -16,9 +16,9 @@ use crate::{
     scene::{Scene, TextureSource},
 };
 
-/// What a scene needs of each filter: levels, planes, tiles, address logic, channels, bits. One pass, no texel is read.
+/// Show what a scene needs of each filter: levels, planes, tiles, address logic, channels, bits
 ///
-/// `texunit run --leave-out` leaves out what is not needed here and says what that saves (docs/leaving-out.md).
+/// One pass, in which no texel is read. `texunit run --leave-out` leaves out what is not needed here and says what that saves (docs/leaving-out.md).
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]

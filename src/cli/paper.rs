@@ -14,9 +14,9 @@ use crate::{
     scene::{AxisRule, Pattern, Scene, TextureSource},
 };
 
-/// Measure what the Dipmap paper claims: six scenes like its figures 8 to 10, Table I beside ours, and the alias energy.
+/// Measure what the Dipmap paper claims, on scenes like its own
 ///
-/// Texels, taps and lerps are per pixel (a lerp per channel: 3 a bilinear tap, 1 less than taps to join them). Host time is that of this
+/// Six scenes like its figures 8 to 10, its Table I beside ours, and the alias energy. Texels, taps and lerps are per pixel (a lerp per channel: 3 a bilinear tap, 1 less than taps to join them). Host time is that of this
 /// machine for texels without cache, the best of some runs, as a ratio to Mipmap (trilinear); "paper" is the ratio of Table I.
 #[derive(Debug, clap::Args)]
 pub struct Args {

@@ -15,7 +15,7 @@ use crate::{
     report::table::framed,
 };
 
-/// Error against cost for every filter and for the knobs inside it; the Pareto front is marked
+/// Plot error against cost for every filter and the knobs inside it, the Pareto front marked
 ///
 /// Writes pareto.csv, pareto.json and an SVG for every scene. Pixels are not proved against the reference: `texunit run` and
 /// `texunit verify` do that.

@@ -12,9 +12,9 @@ use crate::{
     report::table::plain,
 };
 
-/// Show the arithmetic of other machines (coordinates, weights, roundings, levels) with its error against exact.
+/// Show the arithmetic of other machines, and how far it is from exact
 ///
-/// Errors of taps are in units of the last of 8 bits, over 2 million random texels and places; of levels in levels, over 2 million ratios,
+/// That is coordinates, weights, roundings and levels. Errors of taps are in units of the last of 8 bits, over 2 million random texels and places; of levels in levels, over 2 million ratios,
 /// negative too sharp. Beside them stands what a survey of the machines' sources found with code of its own.
 #[derive(Debug, clap::Args)]
 pub struct Args {

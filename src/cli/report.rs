@@ -8,7 +8,7 @@ use crate::{
     report::page::{Images, Results, page},
 };
 
-/// One HTML page, needing nothing else, from folders that run, pareto, reuse, frames, stress and sweep wrote
+/// Make one HTML page, needing nothing else, of folders that run, pareto, reuse, frames, stress and sweep wrote
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folders of results

@@ -17,7 +17,7 @@ use crate::{
     scene::Scene,
 };
 
-/// Reuse distances, miss curves and working sets per plane, screen tile, level and frame
+/// Measure reuse distances, miss curves and working sets per plane, screen tile, level and frame
 ///
 /// The curve of a filter is the misses of a fully associative LRU cache of every size, exactly. The working set is the fewest
 /// lines with which no more than 1 % of the reused lookups miss. Writes reuse.json and an SVG for every scene. A scene

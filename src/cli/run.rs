@@ -25,7 +25,7 @@ use crate::{
     output::{create_folder, print, write_whole},
 };
 
-/// Render scenes through the texture unit, prove their pixels against the reference, and count the traffic.
+/// Render scenes, prove their pixels against the reference, and count the traffic
 ///
 /// Writes report.json, report.csv, and for every scene and filter the image and its difference from the ground truth.
 /// Exit status: 0 good, 1 a pixel differs from the reference, 2 bad use.

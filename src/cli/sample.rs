@@ -26,7 +26,7 @@ use crate::{
     texture_memory::{Held, TextureMemory},
 };
 
-/// Sample a texture at coordinates from a CSV file.
+/// Sample a texture at coordinates from a CSV file
 ///
 /// Columns of the input, named in its first line: `u,v,lod` (lod 0 is the texture itself, as in OpenGL), or
 /// `u,v,dudx,dvdx,dudy,dvdy` (normalised coordinates, change of u and v per pixel step). Columns of the output: `r,g,b,a`

@@ -11,7 +11,7 @@ use crate::{
     scene::Scene,
 };
 
-/// List the built-in scenes; show one as TOML, or write its texture.
+/// List the built-in scenes; show one as TOML, or write its texture
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Print the TOML of a built-in scene: a start for one's own.

@@ -18,7 +18,7 @@ use crate::{
     stream::{Stream, StreamOutcome, StreamRun, mesh::Mesh, raster::rasterize, requests_file},
 };
 
-/// Drive the unit with requests from elsewhere: another renderer's or simulator's stream, or a mesh.
+/// Drive the unit with requests from elsewhere: another renderer's, a simulator's, or a mesh
 ///
 /// Textures and filters may change from request to request; one cache sees them all. Every answer is compared with the reference, and
 /// with the mean of the unfiltered texture over the request's own parallelogram. Exit status: 0 good, 1 an answer differs from the

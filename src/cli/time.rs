@@ -18,9 +18,9 @@ use crate::{
     timing_output::{Recording, epochs, kanata, memory_trace, perfetto, vcd},
 };
 
-/// Time a scene's requests through the machine of docs/timing.md: cycles, stalls by cause, memory traffic, energy (an estimate).
+/// Time a scene's requests: cycles, stalls by cause, memory traffic, energy (an estimate)
 ///
-/// Files of single events (Kanata, Perfetto, VCD) hold the first requests only, see --first, and need a single filter.
+/// The clock is that of docs/timing.md. Files of single events (Kanata, Perfetto, VCD) hold the first requests only, see --first, and need a single filter.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scene: a name that ships or a TOML file

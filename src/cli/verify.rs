@@ -16,10 +16,10 @@ use crate::{
     scene::Scene,
 };
 
-/// Compare the chip with the float reference, bit for bit, over scenes and random requests, filters, wraps, roundings, layouts, texel
-/// formats and widths. A texture.format other than rgba8 is the only one compared; rgba8 stands for all.
+/// Compare the chip with the float reference, bit for bit, over everything that combines
 ///
-/// Exit status: 0 all answers equal, 1 a mismatch was found (the first is printed with everything needed to repeat it), 2 bad use.
+/// That is scenes and random requests, filters, wraps, roundings, layouts, texel formats and widths. A texture.format other than rgba8
+/// is the only one compared; rgba8 stands for all. Exit status: 0 all answers equal, 1 a mismatch was found (the first is printed with everything needed to repeat it), 2 bad use.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]

@@ -160,26 +160,12 @@ pub fn judge_scene(
     filters: &[Filter],
     precision: Precision,
     rule: LevelRule,
-    mut done: impl FnMut(&Finding),
+    done: impl FnMut(&Finding),
 ) -> Result<Vec<Finding>> {
-    let texture = scene.texture.texture_image();
-    let held = machine.texture.hold(PyramidKind::Mipmap, &texture)?;
-    let fragments: Vec<Fragment> = scene.fragments().collect();
-    let mut findings = Vec::new();
-    for &filter in filters {
-        let address = scene.texture.wrap;
-        let judge = Judge::new(&held.pyramid, sampling(machine, filter, address), precision)?;
-        let front_end = front_end(machine, filter, address, &held.pyramid)?;
-        let samples = answers(machine, &held, &front_end, &fragments, rule)?;
-        let name = |number: usize| {
-            let Fragment { x, y, .. } = fragments[number];
-            format!("{}, {}, pixel ({x}, {y})", scene.name, filter.name())
-        };
-        let finding = Finding::of(&scene.name, filter, &judge, &samples, name);
-        done(&finding);
-        findings.push(finding);
-    }
-    Ok(findings)
+    judge(machine, scene, filters, precision, done, |held, fragments, filter| {
+        let front_end = front_end(machine, filter, scene.texture.wrap, &held.pyramid)?;
+        Ok((filter.name().into(), answers(machine, held, &front_end, fragments, rule)?))
+    })
 }
 
 /// The same of the arithmetic of another machine, behind this one's front end: bilinear, and trilinear where it blends levels.
@@ -192,28 +178,39 @@ pub fn judge_peer(
     filters: &[Filter],
     precision: Precision,
     rule: LevelRule,
-    mut done: impl FnMut(&Finding),
+    done: impl FnMut(&Finding),
 ) -> Result<Vec<Finding>> {
     let machine = Machine::default();
+    judge(&machine, scene, filters, precision, done, |held, fragments, filter| {
+        peer_filter(peer, filter)?;
+        let sample = |fragment: &Fragment| {
+            let texels = fragment.gradient.in_texels([held.pyramid.width, held.pyramid.height]);
+            let ratio = libm::sqrt(f64::from(machine.lod.norm.squared_ratio(texels))) as f32;
+            let level = right_levels(rule, machine.lod.norm, texels);
+            peer_sample(peer, &held.pyramid, filter, [fragment.u, fragment.v], (ratio, level), scene.texture.wrap)
+        };
+        Ok((format!("{} of {}", filter.name(), peer.name), fragments.par_iter().map(sample).collect()))
+    })
+}
+
+/// `answer` gives, for a filter, who answers and the samples of the fragments.
+fn judge(
+    machine: &Machine,
+    scene: &Scene,
+    filters: &[Filter],
+    precision: Precision,
+    mut done: impl FnMut(&Finding),
+    answer: impl Fn(&Held, &[Fragment], Filter) -> Result<(String, Vec<Sample>)>,
+) -> Result<Vec<Finding>> {
     let held = machine.texture.hold(PyramidKind::Mipmap, &scene.texture.texture_image())?;
     let fragments: Vec<Fragment> = scene.fragments().collect();
-    let address = scene.texture.wrap;
     let mut findings = Vec::new();
     for &filter in filters {
-        peer_filter(peer, filter)?;
-        let judge = Judge::new(&held.pyramid, sampling(&machine, filter, address), precision)?;
-        let samples: Vec<Sample> = fragments
-            .par_iter()
-            .map(|fragment| {
-                let texels = fragment.gradient.in_texels([held.pyramid.width, held.pyramid.height]);
-                let ratio = libm::sqrt(f64::from(machine.lod.norm.squared_ratio(texels))) as f32;
-                let level = right_levels(rule, machine.lod.norm, texels);
-                peer_sample(peer, &held.pyramid, filter, [fragment.u, fragment.v], (ratio, level), address)
-            })
-            .collect();
+        let judge = Judge::new(&held.pyramid, sampling(machine, filter, scene.texture.wrap), precision)?;
+        let (who, samples) = answer(&held, &fragments, filter)?;
         let name = |number: usize| {
             let Fragment { x, y, .. } = fragments[number];
-            format!("{}, {} of {}, pixel ({x}, {y})", scene.name, filter.name(), peer.name)
+            format!("{}, {who}, pixel ({x}, {y})", scene.name)
         };
         let finding = Finding::of(&scene.name, filter, &judge, &samples, name);
         done(&finding);

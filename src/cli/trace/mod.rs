@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use crate::{error::Result, trace::Selection};
 
-/// Record what the machine answers, replay it, hold chip and reference to it, and export addresses and memory.
+/// Record what the machine answers, replay it, verify it, and export addresses and memory
 ///
 /// A trace is text: a head that says everything an answer depends on, then a request with its answer, reads and misses a line
 /// (docs/trace-format.md). `$readmemh` reads it as it is.
