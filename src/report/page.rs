@@ -1,7 +1,10 @@
 //! The page: results of other commands as one HTML file that needs nothing else.
 
 mod figures;
+mod provenance;
 mod results;
+mod run;
+mod studies;
 
 pub use results::{Images, Results};
 
