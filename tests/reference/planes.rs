@@ -29,7 +29,6 @@ pub fn pyramid(
 }
 
 /// A texture one texel high with these grey columns; its smaller images are black.
-#[allow(dead_code, reason = "each test that includes this file is a crate of its own, and not all use it")]
 pub fn columns(grey: &[u8]) -> Pyramid {
     pyramid(
         PyramidKind::Mipmap,
@@ -37,4 +36,13 @@ pub fn columns(grey: &[u8]) -> Pyramid {
         1,
         |lu, _, x, _| if lu == 0 { [grey[x as usize]; 4] } else { [0; 4] },
     )
+}
+
+/// Texels of noise, in every plane its own.
+pub fn noise(kind: PyramidKind, size: (u32, u32), seed: u32) -> Pyramid {
+    let mut state = seed;
+    pyramid(kind, size.0, size.1, |_, _, _, _| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state ^ (state >> 16)).to_le_bytes()
+    })
 }

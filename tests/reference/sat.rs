@@ -1,14 +1,13 @@
 //! The summed-area table of docs/numerics.md, section 5.3, in the float reference.
 
-mod planes;
-
-use planes::{columns, pyramid};
 use proptest::prelude::*;
 use texunit::{pyramid::Pyramid, reference::sat::Sat};
 use texunit_hw::{
     AddressMode::{self, Clamp, Clip, Mirror, Wrap},
     I12F20, PyramidKind, Request, Sampler,
 };
+
+use crate::planes::{columns, pyramid};
 
 fn fixed(turns: f64) -> I12F20 {
     I12F20::from_num(turns)

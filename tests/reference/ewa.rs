@@ -1,8 +1,5 @@
 //! The elliptical weighted average: what can be counted by hand.
 
-mod planes;
-
-use planes::pyramid;
 use proptest::prelude::*;
 use texunit::{
     pyramid::Pyramid,
@@ -16,6 +13,8 @@ use texunit_hw::{
     AddressMode::{Clamp, Clip, Mirror, Wrap},
     Filter, PyramidKind, Sampler,
 };
+
+use crate::planes::pyramid;
 
 /// Red is the column, green the row, blue the level.
 fn places() -> Pyramid {

@@ -1,8 +1,5 @@
 //! The filters of docs/numerics.md, sections 5.1 and 5.2, in the float reference: worked out by hand, and against the ideal.
 
-mod planes;
-
-use planes::pyramid;
 use proptest::prelude::*;
 use texunit::{
     pyramid::Pyramid,
@@ -12,9 +9,12 @@ use texunit::{
         ideal::{Detail, Ideal, IdealSampler},
     },
 };
-use texunit_hw::{
-    AddressMode::{Clamp, Clip, Mirror, Wrap},
-    Filter, I12F20, LodSource, PyramidKind, Request, Response, Rounding, Sampler,
+use texunit_hw::{AddressMode::Clip, Filter, I12F20, LodSource, PyramidKind, Request, Response, Rounding, Sampler};
+
+use crate::{
+    MODES, ROUNDINGS, answer, at, fixed,
+    planes::{noise, pyramid},
+    tower,
 };
 
 const ANISOTROPIC: [Filter; 3] = [Filter::Texram, Filter::Feline, Filter::Fast];
@@ -22,24 +22,6 @@ const ANISOTROPIC: [Filter; 3] = [Filter::Texram, Filter::Feline, Filter::Fast];
 /// A filter that is told levels.
 fn explicit(filter: Filter) -> Sampler {
     Sampler { filter, lod_source: LodSource::Explicit, ..Sampler::default() }
-}
-
-fn answer(pyramid: &Pyramid, sampler: &Sampler, request: &Request) -> Response {
-    Reference::new(pyramid, sampler).unwrap().sample(request)
-}
-
-/// Turns as 12.20; the numbers of this file are whole there.
-fn fixed(turns: f64) -> I12F20 {
-    I12F20::from_num(turns)
-}
-
-fn at(u: f64, v: f64) -> Request {
-    Request::at(fixed(u), fixed(v))
-}
-
-/// A column 65536 texels high; every texel of level l is 10 l.
-fn tower() -> Pyramid {
-    pyramid(PyramidKind::Mipmap, 1, 1 << 16, |_, lv, _, _| [10 * lv; 4])
 }
 
 /// 16 columns with these greys at some of them, black between; coarser levels are black.
@@ -204,14 +186,6 @@ fn the_ideal_of_an_anisotropic_filter_looks_along_the_gradient() {
     }
 }
 
-fn noise(kind: PyramidKind, size: (u32, u32), seed: u32) -> Pyramid {
-    let mut state = seed;
-    pyramid(kind, size.0, size.1, |_, _, _, _| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state ^ (state >> 16)).to_le_bytes()
-    })
-}
-
 /// A request with axes of any length; the levels are odd and even 1/256, so that no difference is exactly a half.
 fn any_request() -> impl Strategy<Value = Request> {
     let vector = || prop_oneof![any::<[i32; 2]>(), [-0x8_0000..=0x8_0000_i32, -0x8_0000..=0x8_0000_i32]];
@@ -228,13 +202,12 @@ fn any_request() -> impl Strategy<Value = Request> {
 fn any_sampler() -> impl Strategy<Value = Sampler> {
     use Filter::{Brilinear, DipmapTrilinear, MipDouble, Ripmap};
     let filters = [&ANISOTROPIC[..], &[Brilinear, MipDouble, DipmapTrilinear, Ripmap]].concat();
-    let mode = || proptest::sample::select(vec![Wrap, Clamp, Clip, Mirror]);
-    let roundings = vec![Rounding::Once, Rounding::StagedRound, Rounding::StagedTruncate];
+    let mode = || proptest::sample::select(MODES.to_vec());
     (
         proptest::sample::select(filters),
         [mode(), mode()],
         (1..=12_u8, 0..=8_u8, 1..=16_u8, 0..=100_u8),
-        proptest::sample::select(roundings),
+        proptest::sample::select(ROUNDINGS.to_vec()),
         (-300..=300_i16, 0..=300, 0..=1500),
     )
         .prop_map(|(filter, address, widths, rounding, (bias, min_lod, max_lod))| Sampler {

@@ -1,0 +1,116 @@
+//! Requests from elsewhere: files of requests and meshes, against scenes and caches told one by one.
+
+#[cfg(feature = "gltf")]
+mod gltf;
+mod mesh;
+mod requests;
+
+use std::{path::Path, process::Command};
+
+use image::{Rgba, RgbaImage};
+use texunit::{
+    experiment::{Bench, Pyramids, Stage},
+    machine::Machine,
+    scene::Scene,
+    stream::{NamedTexture, Stream, StreamRequest, StreamRun},
+    texture_file::TextureImage,
+};
+use texunit_hw::{AddressMode, Filter};
+
+/// A scene's fragments as a stream of its texture.
+fn stream_of(stage: &Stage) -> Stream {
+    let requests = stage.fragments.iter().map(|&fragment| StreamRequest { fragment, texture: 0, filter: None });
+    Stream {
+        textures: vec![NamedTexture { name: "it".into(), image: stage.texture.clone() }],
+        requests: requests.collect(),
+        size: Some(stage.scene.size),
+    }
+}
+
+fn small(name: &str) -> Stage {
+    Stage::new(Scene { size: [96, 72], ..Scene::builtin(name).unwrap() })
+}
+
+#[test]
+fn the_stream_of_a_scene_is_the_scene() {
+    let machine = Machine::default();
+    let stage = small("floor");
+    let stream = stream_of(&stage);
+    for filter in [Filter::Trilinear, Filter::Dipmap, Filter::Feline, Filter::Sat] {
+        let pyramids = Pyramids::for_filters(&machine, &stage.texture, &[filter]).unwrap();
+        let (pyramid, memory) = pyramids.of(filter);
+        let scene = Bench::new(&stage, &machine, filter, pyramid, memory).measure(&machine).unwrap();
+        let run = StreamRun::new(&stream, &machine, filter, stage.scene.texture.wrap).unwrap();
+        let outcome = run.measure().unwrap();
+        assert_eq!(outcome.responses, scene.responses, "{filter:?}");
+        assert_eq!(outcome.counters, scene.counters, "{filter:?}");
+        assert_eq!(outcome.timing, scene.timed.unwrap().counters, "{filter:?}");
+        assert_eq!((outcome.mismatches, outcome.parts.len()), (0, 1));
+        assert_eq!(outcome.parts[0].traffic.misses, outcome.counters.misses);
+    }
+}
+
+#[test]
+fn textures_and_filters_share_one_cache_and_are_counted_apart() {
+    let machine = Machine::default();
+    let stages = ["rectangle-natural", "rectangle-pane"].map(small);
+    let filters = [Filter::Bilinear, Filter::Trilinear, Filter::Dipmap];
+    let textures =
+        stages.iter().map(|stage| NamedTexture { name: stage.scene.name.clone(), image: stage.texture.clone() });
+    let mut stream = Stream { textures: textures.collect(), ..Stream::default() };
+    // Interleaved, so that runs of equal requests are short.
+    for (number, (a, b)) in stages[0].fragments.iter().zip(&stages[1].fragments).enumerate() {
+        let filter = Some(filters[number / 5 % 3]);
+        stream.requests.push(StreamRequest { fragment: *a, texture: 0, filter });
+        stream.requests.push(StreamRequest { fragment: *b, texture: 1, filter });
+    }
+    let run = StreamRun::new(&stream, &machine, Filter::Point, [AddressMode::Wrap; 2]).unwrap();
+    let outcome = run.measure().unwrap();
+    assert_eq!((outcome.mismatches, outcome.parts.len()), (0, 6));
+    let sum = |of: fn(&texunit::stream::PartOutcome) -> u64| outcome.parts.iter().map(of).sum::<u64>();
+    assert_eq!(sum(|part| part.traffic.lookups), outcome.counters.lookups);
+    assert_eq!(sum(|part| part.traffic.misses), outcome.counters.misses);
+    assert_eq!(sum(|part| part.requests), stream.requests.len() as u64);
+    assert_eq!(outcome.timing.requests, stream.requests.len() as u64);
+    // Each answer is that of the texture alone.
+    for texture in [0, 1] {
+        let only: Vec<_> = stream.requests.iter().copied().filter(|request| request.texture == texture).collect();
+        let alone = Stream { requests: only, ..stream.clone() };
+        let answers =
+            StreamRun::new(&alone, &machine, Filter::Point, [AddressMode::Wrap; 2]).unwrap().measure().unwrap();
+        let mixed = stream.requests.iter().zip(&outcome.responses).filter(|(request, _)| request.texture == texture);
+        assert!(mixed.map(|(_, response)| response).eq(&answers.responses));
+    }
+}
+
+#[test]
+fn a_filter_with_wider_entries_needs_a_stream_of_its_own() {
+    let mut stream = stream_of(&small("magnified"));
+    stream.requests[0].filter = Some(Filter::Sat);
+    let error = StreamRun::new(&stream, &Machine::default(), Filter::Point, [AddressMode::Wrap; 2]).unwrap_err();
+    assert!(error.to_string().contains("sat"), "{error}");
+}
+
+fn write_texture(path: &Path, colour: [u8; 4]) {
+    RgbaImage::from_fn(8, 8, |x, y| if (x + y) % 2 == 0 { Rgba(colour) } else { Rgba([0, 0, 0, 255]) })
+        .save(path)
+        .unwrap();
+}
+
+fn texunit(folder: &Path, args: &[&str]) -> (i32, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_texunit")).current_dir(folder).args(args).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn a_texture_without_a_request_takes_no_memory() {
+    let stage = small("magnified");
+    let mut stream = stream_of(&stage);
+    let machine = Machine::default();
+    let alone = StreamRun::new(&stream, &machine, Filter::Bilinear, [AddressMode::Wrap; 2]).unwrap();
+    let memory = alone.measure().unwrap().memory;
+    stream.textures.push(NamedTexture { name: "other".into(), image: TextureImage::clone(&stage.texture) });
+    let both = StreamRun::new(&stream, &machine, Filter::Bilinear, [AddressMode::Wrap; 2]).unwrap();
+    assert_eq!(both.measure().unwrap().memory, memory);
+}
