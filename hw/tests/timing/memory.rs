@@ -100,7 +100,7 @@ struct Second {
 pub struct Memory {
     main: Main,
     second: Option<Second>,
-    pub filled: Filled,
+    filled: Filled,
     pub tally: Tally,
 }
 
@@ -325,6 +325,11 @@ impl DramChannel {
 }
 
 impl Memory {
+    /// The clock in which a miss was filled, if it has been.
+    pub fn filled(&self, id: usize) -> Option<u64> {
+        self.filled.get(id).copied().flatten()
+    }
+
     /// Bytes of a second-level line, if there is one.
     pub fn second_line(&self) -> Option<u64> {
         self.second.as_ref().map(|second| second.p.line.into())
