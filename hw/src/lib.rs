@@ -6,7 +6,7 @@
 //! There is no float arithmetic here, no input or output, and no clock but its own: floats enter as the bits of their
 //! `u32` or `u64`.
 #![no_std]
-// One module of one file may hold unsafe code: `lanes::room` (docs/decisions/0005-one-room-for-unsafe.md).
+// One module may hold unsafe code: `lanes::room` (docs/decisions/0005-one-room-for-unsafe.md).
 #![deny(unsafe_code)]
 #![deny(clippy::float_arithmetic, clippy::float_cmp)]
 

@@ -1,4 +1,4 @@
-//! Trace files: one vector or item a line, fields in hexadecimal joined by `_`, readable by `$readmemh` (docs/hw/traces.md).
+//! Trace files: one vector or item a line, fields in hexadecimal joined by `_`, readable by `$readmemh` (hw/README.md).
 
 use std::fmt;
 
