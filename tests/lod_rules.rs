@@ -2,11 +2,7 @@
 
 use texunit::{
     front_end::FrontEnd,
-    lod_rules::{
-        edge::EdgeCompression,
-        ladder,
-        polygon::{PolygonRule, doubled_area},
-    },
+    lod_rules::{edge::EdgeCompression, ladder, polygon::PolygonRule},
     machine::Machine,
     scene::{Fragment, Gradient, Norm, Scene, Surface},
 };
@@ -63,15 +59,6 @@ fn flavells_level_is_the_whole_logarithm_to_base_four() {
         assert_eq!(PolygonRule::Flavell.level(ratio, 1.0, 8), level, "{ratio}:1");
     }
     assert_eq!(PolygonRule::HerfPrinted.level(7.0, 1.0, 8), 3, "E15: Herf without the half");
-}
-
-#[test]
-fn the_area_of_a_triangle_does_not_depend_on_its_turn_or_corner() {
-    let [a, b, c] = [[1.0, 2.0], [5.0, 2.5], [3.0, 9.0]];
-    let expected = 27.0; // 4 * 7 - 2 * 0.5
-    for corners in [[a, b, c], [b, c, a], [c, a, b], [a, c, b]] {
-        assert!((doubled_area(corners) - expected).abs() < 1e-12);
-    }
 }
 
 #[test]

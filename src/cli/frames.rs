@@ -76,13 +76,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         done.push(json!({ "scene": scene, "filters": filters }));
     }
     progress.finish_and_clear();
-    let value = json!({
-        "schema": 1,
-        "texunit": env!("CARGO_PKG_VERSION"),
-        "command": std::env::args().collect::<Vec<_>>(),
-        "machine": machine,
-        "scenes": done,
-    });
+    let value = report::report_json(&machine, &std::env::args().collect::<Vec<_>>(), &done);
     write_whole(&args.output.join("frames.json"), |file| writeln!(file, "{value:#}"))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -42,13 +42,6 @@ impl PolygonRule {
     }
 }
 
-/// Twice the area of a triangle: what both sides of the ratio may be given as.
-#[must_use]
-pub fn doubled_area(corners: [[f64; 2]; 3]) -> f64 {
-    let [p, q] = [1, 2].map(|corner: usize| [0, 1].map(|i| corners[corner][i] - corners[0][i]));
-    (p[0] * q[1] - p[1] * q[0]).abs()
-}
-
 /// What a level is selected for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LevelPer {

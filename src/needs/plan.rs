@@ -1,6 +1,6 @@
 //! What a unit and its memory may do without for some requests, without changing a bit of an answer.
 
-use texunit_hw::{AddressMode, Filter, Format, Layout, PyramidKind, Sampler};
+use texunit_hw::{AddressMode, Format, Layout, PyramidKind, Sampler};
 
 use super::{ImageNeeds, Needs};
 use crate::{
@@ -64,11 +64,5 @@ impl Plan {
         let machine = Texture { format, decompress: Decompress::AfterCache, ..machine.clone() };
         let memory = machine.hold_planes(&pyramid, texture)?;
         Ok(TextureMemory { channels, ..memory })
-    }
-
-    /// Whether a smaller program stands for the one that was asked for.
-    #[must_use]
-    pub fn replaces(&self, filter: Filter) -> bool {
-        self.sampler.filter != filter
     }
 }

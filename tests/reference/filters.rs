@@ -156,7 +156,7 @@ fn fast_scatters_as_many_samples_as_each_level_has_texels() {
     // u: 100 + 32 * 0.01193 - 16 * 0.06530 = 99.34; v: 150 + 64 * 0.01193 + 8 * 0.06530 = 151.29.
     assert_eq!(texel(339), [99, 151, 0, 0]);
     // The coarser level has a quarter of the texels and needs a quarter of the samples: its own logarithm is two less.
-    let flat = pyramid(PyramidKind::Mipmap, 256, 256, |lu, _, _, _| [40 * lu; 4]);
+    let flat = pyramid(PyramidKind::Mipmap, 256, 256, |lu, _, _, _| [lu.saturating_mul(40); 4]);
     let capped = Sampler { max_anisotropy: 4, ..sampler };
     let response = answer(&flat, &capped, &request(0x280));
     assert_eq!(response, Response { texel: [20; 4], lod: [0x80; 2] }, "256 log2 4 below the major axis");
