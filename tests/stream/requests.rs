@@ -88,6 +88,12 @@ fn requests_in_parquet_are_those_in_csv() {
         file::{properties::WriterProperties, writer::SerializedFileWriter},
         schema::parser::parse_message_type,
     };
+    use texunit::{
+        machine::Machine,
+        stream::{Stream, StreamRun},
+    };
+    use texunit_hw::{AddressMode, Filter};
+
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     write_texture(&path.join("brick.png"), [200, 80, 60, 255]);
