@@ -133,22 +133,3 @@ impl Limits {
         whole.min(self.coarsest)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn no_mantissa_is_near_a_boundary_of_the_logarithm() {
-        let error = 7.3e-12; // what the module's comment allows libm::log2 and the addition of one half
-        let distance = |mantissa: u32| {
-            let position = 128.0 * libm::log2(1.0 + f64::from(mantissa) / 8_388_608.0) + 0.5;
-            (position - position.round()).abs()
-        };
-        let nearest = (0..1 << 23).map(distance).fold(1.0, f64::min);
-        // A measured distance is itself off by the error, hence twice; and the comment's number is held to be the measured one.
-        assert!(nearest > 2.0 * error);
-        assert!((nearest - NEAREST).abs() < 1e-10, "{nearest:e}");
-    }
-
-    /// In 1/128 of an octave.
-    const NEAREST: f64 = 4.27e-8;
-}

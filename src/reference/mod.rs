@@ -19,6 +19,7 @@ mod planes;
 mod probes;
 pub mod sat;
 mod taps;
+pub mod weights;
 
 use texunit_hw::{Filter, I12F20, Request, Response, Rounding, Sampler};
 
@@ -26,7 +27,7 @@ use crate::{
     error::{Error, Result},
     pyramid::Pyramid,
 };
-use coordinate::Grid;
+pub use coordinate::Grid;
 use lod::Limits;
 use planes::Reading;
 use probes::Aim;

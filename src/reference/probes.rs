@@ -11,6 +11,7 @@ use texunit_hw::Filter;
 use super::{
     coordinate::{Grid, floored},
     jitter::jitter,
+    weights::{gaussian, shares},
 };
 
 /// What an anisotropic filter looks along.
@@ -140,83 +141,5 @@ impl Probes {
             let across = aim.axes[1][axis] * (y - 0.5);
             at[axis] + floored(self.places, along) + floored(self.places, across)
         })
-    }
-}
-
-/// Feline's weights of `count` probes.
-fn gaussian(count: usize, grid: Option<Grid>) -> Vec<f64> {
-    let weights = gaussian_ratios(count);
-    let Some(grid) = grid else { return weights };
-    let mut weights: Vec<f64> = weights.into_iter().map(|weight| grid.nearest(weight)).collect();
-    let missing = 1.0 - weights.iter().sum::<f64>();
-    // The same probe twice where their number is odd.
-    weights[(count - 1) / 2] += missing / 2.0;
-    weights[count / 2] += missing / 2.0;
-    weights
-}
-
-/// The same before they are rounded.
-fn gaussian_ratios(count: usize) -> Vec<f64> {
-    let height = |probe: usize| {
-        let radius = (2.0 * probe as f64 + 1.0 - count as f64) / (count as f64 + 1.0);
-        libm::exp(-2.0 * radius * radius)
-    };
-    let total: f64 = (0..count).map(height).sum();
-    (0..count).map(|probe| height(probe) / total).collect()
-}
-
-/// FAST's weights of `count` samples: equal, as far as the grid allows.
-fn shares(count: usize, grid: Option<Grid>) -> Vec<f64> {
-    let Some(grid) = grid else { return vec![1.0 / count as f64; count] };
-    let until = |sample: usize| grid.floor(sample as f64 / count as f64);
-    (0..count).map(|sample| until(sample + 1) - until(sample)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{gaussian, gaussian_ratios, shares};
-    use crate::reference::{coordinate::Grid, lod::LEVEL};
-
-    #[test]
-    fn no_table_entry_hangs_on_the_error_of_a_logarithm() {
-        // An ulp of a logarithm below 8, of an exponential and of a sum of 64 of them, times 256: far less than this.
-        let error = 1e-9;
-        let from_whole = |x: f64| (x - x.round()).abs();
-        let mut nearest = [1.0_f64; 3];
-        for n in 2..=64 {
-            let n = f64::from(n);
-            for threshold in [(2.0 * n + 1.0) / 4.0, n - 0.5] {
-                nearest[0] = nearest[0].min(from_whole(LEVEL * libm::log2(threshold)));
-            }
-            for reach in [f64::midpoint(n, 1.0), n] {
-                let exact = libm::log2(reach);
-                if exact.fract() != 0.0 {
-                    nearest[1] = nearest[1].min(from_whole(LEVEL * exact + 0.5));
-                }
-            }
-        }
-        for count in 2..=64 {
-            for weight in gaussian_ratios(count) {
-                nearest[2] = nearest[2].min(from_whole(LEVEL * weight + 0.5));
-            }
-        }
-        // As measured; a wrong table entry needs an error of this size.
-        for (nearest, measured) in nearest.into_iter().zip(NEAREST) {
-            assert!(nearest > error && (nearest / measured - 1.0).abs() < 0.01, "{nearest:e}, not {measured:e}");
-        }
-    }
-
-    /// Thresholds from an integer; caps from a half; Feline's weights from a half. In 1/256.
-    const NEAREST: [f64; 3] = [1.6007e-3, 8.0037e-4, 2.4295e-4];
-
-    #[test]
-    fn the_weights_of_any_number_of_probes_are_symmetric_and_sum_to_one() {
-        for count in 1..=64 {
-            let weights = gaussian(count, Some(Grid::new(8)));
-            assert_eq!(weights.iter().sum::<f64>(), 1.0);
-            assert!(weights.iter().eq(weights.iter().rev()), "{count}: {weights:?}");
-            assert!(weights.iter().all(|weight| *weight >= 0.0 && (weight * LEVEL).fract() == 0.0), "{count}");
-            assert_eq!(shares(count, Some(Grid::new(8))).iter().sum::<f64>(), 1.0);
-        }
     }
 }

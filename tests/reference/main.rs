@@ -6,6 +6,7 @@ mod ideal;
 mod levels;
 mod planes;
 mod sat;
+mod tables;
 mod taps;
 
 use planes::pyramid;
