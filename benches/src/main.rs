@@ -1,11 +1,15 @@
 //! `cargo run --release` in this folder: every ratio of docs/performance.md, taken in one run, as a table and as JSON.
 
-use std::{hint::black_box, time::Instant};
-
-use texunit_benches::{workload::Case, yardstick};
+use texunit_benches::{
+    contest::{Goal, Row, seconds},
+    workload::Case,
+    yardstick::{self, Counted},
+};
 use texunit_hw::{
     Batch, Filter, Geometry, Policy, Request, Response, Sampler, Sink, Unit,
-    cache::{Cache, Detail, TexelCache},
+    cache::{Cache, Counters, Detail, MissClassifier, PlaneCounters, TexelCache},
+    sweep::{FifoSweep, Grid, LruSweep},
+    timing::{DramParameters, MainMemory, MemoryParameters, Parameters, Timing},
 };
 
 /// Rounds; each measures every subject once, so that a slow moment hits all alike.
@@ -13,30 +17,11 @@ const ROUNDS: usize = 9;
 
 /// Requests of a block.
 const BLOCK: usize = 4096;
+/// The command, built beside the benches.
+const TEXUNIT: &str = "../target/release/texunit";
+
 /// Times a block is answered.
 const TIMES: usize = 256;
-
-/// The median of the ratios yardstick / subject, round by round: above 1, the model is the faster.
-struct Ratio {
-    name: &'static str,
-    goal: Option<f64>,
-    times: Vec<[f64; 2]>,
-    work: usize,
-}
-
-impl Ratio {
-    fn median(&self, pick: impl Fn(&[f64; 2]) -> f64) -> f64 {
-        let mut values: Vec<f64> = self.times.iter().map(pick).collect();
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
-    }
-}
-
-fn seconds<T>(work: impl FnOnce() -> T) -> f64 {
-    let begin = Instant::now();
-    black_box(work());
-    begin.elapsed().as_secs_f64()
-}
 
 /// Collects the address stream.
 struct Addresses(Vec<u64>);
@@ -47,17 +32,44 @@ impl Sink for Addresses {
     }
 }
 
+/// The counters of the model as the yardstick has them.
+fn counted(counters: Counters, planes: &[PlaneCounters]) -> Counted {
+    let mut counted = Counted { used: counters.bytes_used / 4, ..Counted::default() };
+    for (level, plane) in planes.iter().enumerate() {
+        counted.lookups[level] = plane.lookups;
+        counted.misses[level] = [plane.classes.compulsory, plane.classes.capacity, plane.classes.conflict];
+    }
+    counted
+}
+
 fn main() {
     let case = Case::new(Filter::Trilinear);
     let sampler = Sampler::default();
     let geometry = Geometry { sets: 64, ways: 4, line: 64 };
     let (requests, bytes) = (&case.requests[..], &case.memory.bytes[..]);
     let unit = || Unit::new(&sampler, &case.memory.surface, bytes).expect("the case is sound");
+    let texel_cache = |classes, line_use| {
+        TexelCache::new(geometry, Policy::Lru, 4, Detail { classes, line_use }).expect("64 x 4 x 64")
+    };
+    let cache = |policy| Cache::new(geometry, policy).expect("64 x 4 x 64");
+    let fixed = MemoryParameters::default();
+    let dram = MemoryParameters { main: MainMemory::Dram(DramParameters::default()), second_level: None };
+    let timing = |memory: &MemoryParameters| {
+        Timing::new(&Parameters::default(), memory, texel_cache(true, true), 4, ()).expect("a machine that runs")
+    };
     let mut responses = vec![Response::default(); requests.len()];
     let mut texels = vec![0u32; requests.len()];
     let mut addresses = Addresses(Vec::with_capacity(8 * requests.len()));
     unit().addresses(requests, &mut addresses);
     let addresses = addresses.0;
+
+    // Yardsticks that count must count what the model counts.
+    let mut once = texel_cache(true, true);
+    unit().run(requests, &mut responses, &mut once);
+    let by_hand = yardstick::whole_path_counted(requests, bytes, &mut texels);
+    assert_eq!(by_hand, counted(once.counters(), &once.planes()));
+    assert_eq!(yardstick::whole_path(requests, bytes, &mut texels), once.counters().misses);
+    assert_eq!(yardstick::cache_alone(&addresses), once.counters().misses);
 
     // As many requests as a front end hands on at a time: they and their answers stay in the host's first-level caches, where the whole
     // frame's 44 bytes each come from memory.
@@ -67,98 +79,127 @@ fn main() {
         let mut unit = Unit::new(sampler, &case.memory.surface, bytes).expect("the case is sound");
         seconds(|| (0..times).for_each(|_| unit.run(requests, &mut responses[..requests.len()], &mut ())))
     };
+    let grid = Grid { log2_sets: 10, ways: 16, line: 64 };
 
-    let row = |name, goal, work| Ratio { name, goal, times: Vec::new(), work };
+    // A scene with every filter, as the command does it, in one thread and in two.
+    let command = |threads: &str| {
+        let folder = std::env::temp_dir().join("texunit-benches");
+        let status = std::process::Command::new(TEXUNIT)
+            .args(["run", "pane", "--size", "640x400", "--output"])
+            .arg(&folder)
+            .env("RAYON_NUM_THREADS", threads)
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::null())
+            .status();
+        assert!(status.is_ok_and(|status| status.success()), "{TEXUNIT}: build it with cargo build --release");
+    };
+
     let n = requests.len();
-    let mut whole = row("texels and cache, all counters", Some(1.5), n);
-    let mut plain = row("texels and cache, hits and line use only", None, n);
-    let mut sampling = row("texels only", Some(4.0), n);
-    let mut bilinear = row("bilinear texels only", Some(4.0), n);
-    let mut sampling_block = row("texels only, a block at a time", Some(4.0), TIMES * BLOCK);
-    let mut bilinear_block = row("bilinear texels only, a block at a time", Some(4.0), TIMES * BLOCK);
-    let mut eight = row("texels only, a block, in eight lanes", None, TIMES * BLOCK);
-    let mut scalar = row("texels only, without lanes", None, n);
-    let mut caching = row("addresses and plain cache", None, n);
-    let mut alone = row("cache alone, from addresses", Some(0.9), addresses.len());
-    for _ in 0..ROUNDS {
-        let by_hand = seconds(|| yardstick::whole_path(requests, bytes, &mut texels));
-        let full = seconds(|| {
-            let mut cache = TexelCache::new(geometry, Policy::Lru, 4, Detail::default()).expect("64 x 4 x 64");
-            unit().run(requests, &mut responses, &mut cache);
-            cache.counters()
-        });
-        whole.times.push([by_hand, full]);
-        let few = seconds(|| {
-            let detail = Detail { classes: false, line_use: true };
-            let mut cache = TexelCache::new(geometry, Policy::Lru, 4, detail).expect("64 x 4 x 64");
-            unit().run(requests, &mut responses, &mut cache);
-            cache.counters()
-        });
-        plain.times.push([by_hand, few]);
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    for round in 0..ROUNDS {
+        let mut next = 0;
+        let mut enter = |name, against, goal, work, times| {
+            if round == 0 {
+                rows.push(Row { name, against, goal, work, times: Vec::new() });
+            }
+            rows[next].times.push(times);
+            next += 1;
+        };
+        let hand = "plain loop";
+        let hits_by_hand = seconds(|| yardstick::whole_path(requests, bytes, &mut texels));
+        let all_by_hand = seconds(|| yardstick::whole_path_counted(requests, bytes, &mut texels));
+        let mut run = |mut sink: TexelCache| {
+            seconds(|| {
+                unit().run(requests, &mut responses, &mut sink);
+                sink.counters()
+            })
+        };
+        let (full, plain) = (run(texel_cache(true, true)), run(texel_cache(false, false)));
+        enter("texels and cache, every counter", "plain loop, every counter", Goal::Speed(1.5), n, [all_by_hand, full]);
+        enter("texels and cache, every counter", "plain loop, misses only", Goal::None, n, [hits_by_hand, full]);
+        enter("texels and cache, misses only", "plain loop, misses only", Goal::Speed(1.5), n, [hits_by_hand, plain]);
+        let mut run = |memory| {
+            let mut sink = timing(memory);
+            seconds(|| {
+                unit().run(requests, &mut responses, &mut sink);
+                sink.counters()
+            })
+        };
+        let (timed, dram_timed) = (run(&fixed), run(&dram));
+        enter("the same with time", "plain loop, every counter", Goal::Speed(0.75), n, [all_by_hand, timed]);
+        enter("the same with time", "plain loop, misses only", Goal::None, n, [hits_by_hand, timed]);
+        enter("the same with time", "without time", Goal::Cost(2.0), n, [full, timed]);
+        enter("the same with time, DRAM", "without time", Goal::None, n, [full, dram_timed]);
+
         let by_hand = seconds(|| yardstick::sampling(requests, bytes, &mut texels));
-        sampling.times.push([by_hand, texels_only(&sampler, requests, &mut responses, 1)]);
-        scalar.times.push([by_hand, seconds(|| unit().scalar().run(requests, &mut responses, &mut ()))]);
-        bilinear.times.push([
-            seconds(|| yardstick::bilinear(requests, bytes, &mut texels)),
-            texels_only(&bilinear_case, requests, &mut responses, 1),
-        ]);
+        let model = texels_only(&sampler, requests, &mut responses, 1);
+        enter("trilinear texels", hand, Goal::Speed(4.0), n, [by_hand, model]);
+        let model = seconds(|| unit().scalar().run(requests, &mut responses, &mut ()));
+        enter("trilinear texels, without lanes", hand, Goal::None, n, [by_hand, model]);
+        let by_hand = seconds(|| yardstick::bilinear(requests, bytes, &mut texels));
+        let model = texels_only(&bilinear_case, requests, &mut responses, 1);
+        enter("bilinear texels", hand, Goal::Speed(4.0), n, [by_hand, model]);
         let by_hand = seconds(|| (0..TIMES).for_each(|_| yardstick::sampling(middle, bytes, &mut texels[..BLOCK])));
-        sampling_block.times.push([by_hand, texels_only(&sampler, middle, &mut responses, TIMES)]);
-        eight.times.push([
-            by_hand,
+        let model = texels_only(&sampler, middle, &mut responses, TIMES);
+        enter("trilinear texels, a block", hand, Goal::Speed(4.0), TIMES * BLOCK, [by_hand, model]);
+        let model = seconds(|| {
+            let mut unit = unit().eight_lanes();
+            (0..TIMES).for_each(|_| unit.run(middle, &mut responses[..BLOCK], &mut ()));
+        });
+        enter("trilinear texels, a block, eight lanes", hand, Goal::None, TIMES * BLOCK, [by_hand, model]);
+        let by_hand = seconds(|| (0..TIMES).for_each(|_| yardstick::bilinear(middle, bytes, &mut texels[..BLOCK])));
+        let model = texels_only(&bilinear_case, middle, &mut responses, TIMES);
+        enter("bilinear texels, a block", hand, Goal::Speed(4.0), TIMES * BLOCK, [by_hand, model]);
+
+        let by_hand = seconds(|| yardstick::caching(requests));
+        let model = seconds(|| {
+            let mut cache = texel_cache(false, false);
+            unit().addresses(requests, &mut cache);
+            cache.counters()
+        });
+        enter("addresses and plain cache", hand, Goal::None, n, [by_hand, model]);
+        let lookups = addresses.len();
+        let by_hand = seconds(|| yardstick::cache_alone(&addresses));
+        let one = |policy| {
             seconds(|| {
-                let mut unit = unit().eight_lanes();
-                (0..TIMES).for_each(|_| unit.run(middle, &mut responses[..BLOCK], &mut ()));
-            }),
-        ]);
-        bilinear_block.times.push([
-            seconds(|| (0..TIMES).for_each(|_| yardstick::bilinear(middle, bytes, &mut texels[..BLOCK]))),
-            texels_only(&bilinear_case, middle, &mut responses, TIMES),
-        ]);
-        caching.times.push([
-            seconds(|| yardstick::caching(requests)),
-            seconds(|| {
-                let detail = Detail { classes: false, line_use: false };
-                let mut cache = TexelCache::new(geometry, Policy::Lru, 4, detail).expect("64 x 4 x 64");
-                unit().addresses(requests, &mut cache);
-                cache.counters()
-            }),
-        ]);
-        alone.times.push([
-            seconds(|| yardstick::cache_alone(&addresses)),
-            seconds(|| {
-                let mut cache = Cache::new(geometry, Policy::Lru).expect("64 x 4 x 64");
+                let mut cache = cache(policy);
                 cache.access_all(&addresses, &mut ());
                 cache.misses()
-            }),
-        ]);
-    }
-    let rows = [whole, plain, sampling, bilinear, sampling_block, bilinear_block, eight, scalar, caching, alone];
-    println!(
-        "{:<44} {:>7} {:>6} {:>14} {:>14}",
-        "model / hand-written loop", "ratio", "goal", "model M/s", "by hand M/s"
-    );
-    for row in &rows {
-        let speed = |which: usize| row.work as f64 / row.median(|times| times[which]) / 1e6;
-        let goal = row.goal.map_or_else(String::new, |goal| format!("{goal:.2}"));
-        println!(
-            "{:<44} {:>7.2} {goal:>6} {:>14.1} {:>14.1}",
-            row.name,
-            row.median(|[by_hand, model]| by_hand / model),
-            speed(1),
-            speed(0)
-        );
-    }
-    let json: Vec<_> = rows
-        .iter()
-        .map(|row| {
-            serde_json::json!({
-                "name": row.name, "goal": row.goal, "ratio": row.median(|[by_hand, model]| by_hand / model),
-                "rounds": row.times.iter().map(|[by_hand, model]| by_hand / model).collect::<Vec<_>>(),
             })
-        })
-        .collect();
+        };
+        let (lru, fifo) = (one(Policy::Lru), one(Policy::Fifo));
+        enter("cache alone, LRU", hand, Goal::Speed(0.9), lookups, [by_hand, lru]);
+        enter("cache alone, FIFO", hand, Goal::None, lookups, [by_hand, fifo]);
+        let classes = seconds(|| {
+            let mut classifier = MissClassifier::new(geometry).expect("64 x 4 x 64");
+            cache(Policy::Lru).access_all(&addresses, &mut classifier);
+            classifier.classes()
+        });
+        enter("three classes of misses", "one LRU run", Goal::Cost(4.0), lookups, [lru, classes]);
+        let sweep = seconds(|| {
+            let mut sweep = LruSweep::new(grid).expect("176 geometries");
+            sweep.access_all(&addresses);
+            sweep.misses(6, 4)
+        });
+        enter("176 LRU geometries in one pass", "one LRU run", Goal::Cost(9.0), lookups, [lru, sweep]);
+        let sweep = seconds(|| {
+            let mut sweep = FifoSweep::new(grid).expect("176 geometries");
+            sweep.access_all(&addresses);
+            sweep.misses(6, 4)
+        });
+        enter("176 FIFO geometries in one pass", "one LRU run", Goal::Cost(45.0), lookups, [lru, sweep]);
+
+        let [one, two] = ["1", "2"].map(|threads| seconds(|| command(threads)));
+        enter("a scene with every filter, two threads", "one thread", Goal::Speed(1.8), 1, [one, two]);
+        let start = seconds(|| {
+            std::process::Command::new(TEXUNIT).arg("--version").stdout(std::process::Stdio::null()).status()
+        });
+        enter("start-up", "20 ms", Goal::Cost(1.0), 1, [0.02, start]);
+    }
+    println!("{:<52} {:<34} {:>7} {:>8} {:<8} {:>9}", "model", "measured against", "figure", "goal", "", "model M/s");
+    rows.iter().for_each(|row| println!("{}", row.line()));
+    let json: Vec<_> = rows.iter().map(Row::json).collect();
     let path = "ratios.json";
-    std::fs::write(path, format!("{:#}\n", serde_json::json!({ "schema": 1, "ratios": json }))).expect("ratios.json");
+    std::fs::write(path, format!("{:#}\n", serde_json::json!({ "schema": 2, "ratios": json }))).expect("ratios.json");
     println!("written to {path}");
 }

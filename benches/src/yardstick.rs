@@ -67,11 +67,17 @@ fn gather(spread: u64) -> u32 {
     ((spread & 0x00FF_00FF) | (spread >> 24 & 0xFF00_FF00)) as u32
 }
 
+/// Level of detail, 8 fraction bits.
+#[inline(always)]
+fn lod(request: &Request) -> i32 {
+    let bits = request.scale[0] & 0x7FFF_FFFF;
+    ((bits >> 16) as i32 - (127 << 7)).clamp(0, 10 << 8)
+}
+
 /// The eight addresses of a request, and its fractions.
 #[inline(always)]
 fn footprint(request: &Request, bases: &[u32; 11]) -> ([[u32; 4]; 2], [[u64; 2]; 2], u64) {
-    let bits = request.scale[0] & 0x7FFF_FFFF;
-    let lod = ((bits >> 16) as i32 - (127 << 7)).clamp(0, 10 << 8);
+    let lod = lod(request);
     let (level, t) = ((lod >> 8) as u32, (lod & 255) as u64);
     let mut addresses = [[0; 4]; 2];
     let mut fractions = [[0; 2]; 2];
@@ -170,4 +176,128 @@ pub fn cache_alone(addresses: &[u64]) -> u64 {
         cache.access(address as u32);
     }
     cache.misses
+}
+
+/// What [`whole_path_counted`] counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counted {
+    /// Lookups of each level.
+    pub lookups: [u64; 11],
+    /// Misses of each level by class: compulsory, capacity, conflict.
+    pub misses: [[u64; 3]; 11],
+    /// Texels used of all lines fetched.
+    pub used: u64,
+}
+
+/// The cache with every counter the model keeps: which texels of its lines are used, and the class of every miss, for which a fully
+/// associative LRU cache of as many lines runs beside it, a list through a table by line.
+struct CountedLru {
+    cache: Lru,
+    counted: Counted,
+    marks: Vec<u16>,
+    seen: Vec<bool>,
+    /// Neighbours in the list of lines from the last used to the first, 0 standing for its two ends.
+    next: Vec<u32>,
+    before: Vec<u32>,
+    listed: Vec<bool>,
+    length: u32,
+}
+
+impl CountedLru {
+    fn new(lines: usize) -> Self {
+        Self {
+            cache: Lru::default(),
+            counted: Counted::default(),
+            marks: vec![0; lines],
+            seen: vec![false; lines],
+            next: vec![0; lines + 1],
+            before: vec![0; lines + 1],
+            listed: vec![false; lines + 1],
+            length: 0,
+        }
+    }
+
+    /// Moves a line to the front of the list; whether it was there.
+    #[inline(always)]
+    fn list(&mut self, line: u32) -> bool {
+        let node = line + 1;
+        let first = self.next[0];
+        if first == node {
+            return true;
+        }
+        let was = self.listed[node as usize];
+        if was {
+            self.unlink(node);
+        } else if self.length == 256 {
+            let last = self.before[0];
+            self.unlink(last);
+            self.listed[last as usize] = false;
+        } else {
+            self.length += 1;
+        }
+        self.listed[node as usize] = true;
+        let first = self.next[0];
+        self.next[0] = node;
+        self.before[node as usize] = 0;
+        self.next[node as usize] = first;
+        self.before[first as usize] = node;
+        was
+    }
+
+    #[inline(always)]
+    fn unlink(&mut self, node: u32) {
+        let (before, next) = (self.before[node as usize], self.next[node as usize]);
+        self.next[before as usize] = next;
+        self.before[next as usize] = before;
+    }
+
+    #[inline(always)]
+    fn access(&mut self, address: u32, level: usize) {
+        let line = address >> 6;
+        self.counted.lookups[level] += 1;
+        let listed = self.list(line);
+        let ways = &mut self.cache.tags[(line & 63) as usize];
+        if ways[0] != line {
+            if ways[1] == line {
+                ways.swap(0, 1);
+            } else if ways[2] == line {
+                *ways = [line, ways[0], ways[1], ways[3]];
+            } else {
+                let last = ways[3];
+                *ways = [line, ways[0], ways[1], ways[2]];
+                if last != line {
+                    if let Some(marks) = self.marks.get_mut(last as usize) {
+                        self.counted.used += u64::from(std::mem::take(marks).count_ones());
+                    }
+                    let class = match (listed, self.seen[line as usize]) {
+                        (true, _) => 2,
+                        (false, true) => 1,
+                        (false, false) => 0,
+                    };
+                    self.seen[line as usize] = true;
+                    self.counted.misses[level][class] += 1;
+                }
+            }
+        }
+        self.marks[line as usize] |= 1 << (address >> 2 & 15);
+    }
+}
+
+/// Texels and cache, with every counter of the model.
+pub fn whole_path_counted(requests: &[Request], bytes: &[u8], out: &mut [u32]) -> Counted {
+    let bases = level_bases();
+    let mut cache = CountedLru::new(bytes.len().div_ceil(64));
+    for (request, out) in requests.iter().zip(out) {
+        let (addresses, fractions, t) = footprint(request, &bases);
+        let level = (lod(request) >> 8) as usize;
+        for (number, tap) in addresses.iter().enumerate() {
+            for address in tap {
+                cache.access(*address, (level + number).min(10));
+            }
+        }
+        *out = sample(bytes, &addresses, &fractions, t);
+    }
+    let still_there: u32 = cache.marks.iter().map(|marks| marks.count_ones()).sum();
+    cache.counted.used += u64::from(still_there);
+    cache.counted
 }

@@ -9,6 +9,7 @@ use std::{
 };
 
 use image::RgbaImage;
+use rayon::prelude::*;
 use texunit_hw::Filter;
 
 use super::{
@@ -79,30 +80,31 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         let pyramids = Pyramids::for_filters(&machine, &stage.texture, &on_pyramids)?;
         written.truth(&stage)?;
         let (mut outcomes, mut floats) = (Vec::new(), Vec::new());
-        for &filter in &filters {
+        // As many at a time as there are threads; what each does in parallel within itself fills the gaps.
+        for filters in filters.chunks(rayon::current_num_threads()) {
             if STOP.load(Ordering::Relaxed) {
                 break;
             }
-            progress.set_message(format!("{}: {}", stage.scene.name, filter.name()));
-            let (pyramid, memory) = pyramids.of(filter.on_pyramid_of());
-            match filter {
-                AnyFilter::Unit(filter) => {
-                    let bench = Bench::new(&stage, &machine, filter, pyramid, memory);
-                    let mut outcome = bench.measure(&machine)?;
-                    if args.leave_out {
-                        outcome.left_out = Some(bench.leave_out(&machine)?);
+            let names: Vec<_> = filters.iter().map(|filter| filter.name()).collect();
+            progress.set_message(format!("{}: {}", stage.scene.name, names.join(", ")));
+            let measured: Vec<Result<Measured>> = filters
+                .par_iter()
+                .map(|filter| Measured::new(*filter, &stage, &machine, &pyramids, args.leave_out))
+                .collect();
+            for (filter, measured) in filters.iter().zip(measured) {
+                match measured? {
+                    Measured::Unit(outcome) => {
+                        let texels = outcome.responses.iter().map(|response| response.texel);
+                        written.images(&stage, filter.name(), texels)?;
+                        outcomes.push(*outcome);
                     }
-                    let texels = outcome.responses.iter().map(|response| response.texel);
-                    written.images(&stage, filter.name(), texels)?;
-                    outcomes.push(outcome);
+                    Measured::Float(outcome) => {
+                        written.images(&stage, filter.name(), outcome.texels.iter().copied())?;
+                        floats.push(outcome);
+                    }
                 }
-                AnyFilter::Ewa => {
-                    let outcome = ewa(&stage, &machine, pyramid)?;
-                    written.images(&stage, filter.name(), outcome.texels.iter().copied())?;
-                    floats.push(outcome);
-                }
+                progress.inc(1);
             }
-            progress.inc(1);
         }
         written.report(&stage, &outcomes, &floats)?;
         mismatches += outcomes.iter().map(|outcome| outcome.mismatches).sum::<u64>();
@@ -123,6 +125,25 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         print(|out| writeln!(out, "\nReports and images: {}", args.output.display()))?;
     }
     Ok(if mismatches == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// What a filter made of a scene.
+enum Measured {
+    Unit(Box<Outcome>),
+    Float(FloatOutcome),
+}
+
+impl Measured {
+    fn new(filter: AnyFilter, stage: &Stage, machine: &Machine, pyramids: &Pyramids, leave_out: bool) -> Result<Self> {
+        let (pyramid, memory) = pyramids.of(filter.on_pyramid_of());
+        let AnyFilter::Unit(filter) = filter else { return Ok(Self::Float(ewa(stage, machine, pyramid)?)) };
+        let bench = Bench::new(stage, machine, filter, pyramid, memory);
+        let mut outcome = bench.measure(machine)?;
+        if leave_out {
+            outcome.left_out = Some(bench.leave_out(machine)?);
+        }
+        Ok(Self::Unit(Box::new(outcome)))
+    }
 }
 
 /// Keeps a second run out of the folder until the file returned is dropped: their reports and images would mix.
