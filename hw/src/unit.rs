@@ -218,12 +218,23 @@ impl<'m> Unit<'m> {
     /// # Panics
     /// If the two slices differ in length, and where a request reads a plane that has no memory.
     pub fn run<S: Sink>(&mut self, requests: &[Request], responses: &mut [Response], sink: &mut S) {
+        self.run_batches(requests, responses, S::LOOKS, &mut |batch| sink.take(batch));
+    }
+
+    /// [`Self::run`], compiled once and not for every sink: a call a batch costs nothing beside the batch.
+    fn run_batches(
+        &mut self,
+        requests: &[Request],
+        responses: &mut [Response],
+        looks: bool,
+        take: &mut dyn FnMut(Batch<'_>),
+    ) {
         assert_eq!(requests.len(), responses.len(), "one response a request");
         let size = self.batch;
         let bytes = self.bytes;
         if self.sampler.filter == Filter::Sat {
             // Sums are no texels: another datapath.
-            return self.run_through(requests, responses, sink, |batch, responses| {
+            return self.run_through(requests, responses, take, |batch, responses| {
                 for (response, taps) in responses.iter_mut().zip(batch.per_request()) {
                     response.texel = sat::mean(bytes, taps);
                 }
@@ -231,12 +242,12 @@ impl<'m> Unit<'m> {
         }
         if one_channel::suffices(&self.sampler, self.surface) {
             let widths = [self.sampler.filter_bits.into(), weight_bits(self.sampler.filter)];
-            return self.run_through(requests, responses, sink, |batch, responses| {
+            return self.run_through(requests, responses, take, |batch, responses| {
                 one_channel::answer(bytes, widths, batch, responses);
             });
         }
         let done = match &self.lanes {
-            Some(lanes) if !S::LOOKS => lanes.answer(requests, responses),
+            Some(lanes) if !looks => lanes.answer(requests, responses),
             _ => 0,
         };
         let (requests, responses) = (&requests[done..], &mut responses[done..]);
@@ -253,7 +264,7 @@ impl<'m> Unit<'m> {
                 for (response, lod) in responses.iter_mut().zip(lods).skip(done) {
                     response.lod = *lod;
                 }
-                sink.take(batch);
+                take(batch);
                 answer::<P>(&sampler, lanes.as_ref(), &source, batch, done, responses);
             }
         }));
@@ -274,7 +285,8 @@ impl<'m> Unit<'m> {
         assert_eq!(requests.len(), responses.len(), "one response a request");
         assert_ne!(self.sampler.filter, Filter::Sat, "sums are no texels");
         let Sampler { filter: program, filter_bits, rounding, .. } = self.sampler;
-        self.run_through(requests, responses, sink, |batch, responses| {
+        let take = &mut |batch: Batch<'_>| sink.take(batch);
+        self.run_through(requests, responses, take, |batch, responses| {
             let (texels, weight_bits) = (batch.texels_per_tap, weight_bits(program));
             for (taps, response) in batch.per_request().zip(responses) {
                 response.texel = filter(source, taps, texels, filter_bits.into(), weight_bits, rounding);
@@ -287,7 +299,7 @@ impl<'m> Unit<'m> {
         &mut self,
         requests: &[Request],
         responses: &mut [Response],
-        sink: &mut impl Sink,
+        take_batch: &mut dyn FnMut(Batch<'_>),
         mut answer: impl FnMut(Batch<'_>, &mut [Response]),
     ) {
         let mut rest = responses;
@@ -297,7 +309,7 @@ impl<'m> Unit<'m> {
             for (response, lod) in responses.iter_mut().zip(lods) {
                 response.lod = *lod;
             }
-            sink.take(batch);
+            take_batch(batch);
             answer(batch, responses);
         });
     }
@@ -315,6 +327,10 @@ impl<'m> Unit<'m> {
 
     /// Makes addresses only: what a cache study needs.
     pub fn addresses(&mut self, requests: &[Request], sink: &mut impl Sink) {
+        self.address_batches(requests, &mut |batch| sink.take(batch));
+    }
+
+    fn address_batches(&mut self, requests: &[Request], take: &mut dyn FnMut(Batch<'_>)) {
         let size = self.batch;
         with_program!(self.sampler.filter, P => {
             for requests in requests.chunks(size) {
@@ -322,7 +338,7 @@ impl<'m> Unit<'m> {
                     Some(lanes) => lanes.write(requests, &mut self.footprints),
                     None => 0,
                 };
-                sink.take(self.expand::<P>(requests, done).0);
+                take(self.expand::<P>(requests, done).0);
             }
         });
     }
