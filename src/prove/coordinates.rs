@@ -1,7 +1,7 @@
 //! Coordinates: every 12.20 value through every address mode, every f32 into 12.20.
 
 use texunit_hw::{
-    AddressMode, Footprint, Format, Layout, PyramidKind, Surface,
+    AddressMode, Format, Layout, PyramidKind, Surface,
     address::{AddressUnit, is_outside},
 };
 
@@ -143,6 +143,52 @@ impl Both {
     }
 }
 
+/// Coordinates with the same texels: only the fractions change among them, and a loop over them has no branch.
+struct Run {
+    begin: i64,
+    /// Addresses of the bilinear tap, and that of the point tap.
+    four: [u64; 4],
+    one: u64,
+    /// How far in a texel the bilinear tap is at the first, of 2^20, and how much farther at each of the others.
+    within: [i64; 2],
+    sides: [i64; 2],
+    /// From 2^20 of a texel to the bits of a fraction.
+    shift: u32,
+}
+
+impl Run {
+    /// Bits in which the taps of a coordinate are not as they should be. `CLIPPED` if some texels are none; where all are there an
+    /// address outside differs from any.
+    #[inline(always)]
+    fn differing<const CLIPPED: bool>(&self, chip: &impl Chip, unit: &AddressUnit, step: i64) -> u64 {
+        let at = self.begin + step;
+        let seen = |address: u64| if CLIPPED && is_outside(address) { NONE } else { address };
+        let mut differing = seen(chip.point(unit, 0, at, at).address[0]) ^ self.one;
+        let tap = chip.bilinear(unit, at, at);
+        for texel in 0..4 {
+            differing |= seen(tap.address[texel]) ^ self.four[texel];
+        }
+        for axis in 0..2 {
+            let fraction = (self.within[axis] + step * self.sides[axis]) >> self.shift;
+            differing |= u64::from(tap.fraction[axis]) ^ fraction as u64;
+        }
+        differing
+    }
+
+    /// The wrong ones of so many coordinates: the first, and how many.
+    fn wrong<const CLIPPED: bool>(&self, chip: &impl Chip, unit: &AddressUnit, steps: i64) -> Option<(i64, u64)> {
+        let mut any = 0;
+        for step in 0..steps {
+            any |= self.differing::<CLIPPED>(chip, unit, step);
+        }
+        if any == 0 {
+            return None;
+        }
+        let mut wrong = (0..steps).filter(|&step| self.differing::<CLIPPED>(chip, unit, step) != 0);
+        wrong.next().map(|first| (first, 1 + wrong.count() as u64))
+    }
+}
+
 /// One texture of [`SIZES`] under an address mode.
 struct Axes {
     size: [u32; 2],
@@ -150,7 +196,6 @@ struct Axes {
     unit: AddressUnit,
     /// Bytes of a texel.
     element: u64,
-    /// From 2^20 of a texel to the bits of a fraction.
     shift: u32,
 }
 
@@ -163,56 +208,32 @@ impl Axes {
         Self { size, mode, unit, element, shift }
     }
 
-    /// The coordinates of a piece, in runs with the same texels: within one only the fractions change, and its loop has no branch.
+    /// The coordinates of a piece.
     fn piece<C: Chip>(&self, chip: &C, begin: i64, end: i64, tally: &mut Tally) {
         let mut expected = Both::at(begin, self.size);
         let mut coordinate = begin;
         while coordinate < end {
             let steps = expected.left().min(end - coordinate);
             let (four, one) = expected.addresses(self.mode, self.element);
-            let (fractions, shift) = (expected.bilinear.map(|walk| (walk.within, walk.size)), self.shift);
-            // Bits that differ; an address outside has any of those that say so.
-            let differing = |step: i64, is_clipped: bool| {
-                let (tap, point) = self.taps(chip, coordinate + step);
-                let seen = |address: u64| if is_clipped && is_outside(address) { NONE } else { address };
-                let mut differing = seen(point.address[0]) ^ one;
-                for (address, expected) in tap.address.into_iter().zip(four) {
-                    differing |= seen(address) ^ expected;
-                }
-                for (fraction, (within, size)) in tap.fraction.into_iter().zip(fractions) {
-                    differing |= u64::from(fraction) ^ ((within + step * size) >> shift) as u64;
-                }
-                differing
-            };
-            // Where all texels are there, nothing outside is right.
-            let is_clipped = one == NONE || four.contains(&NONE);
-            let any = if is_clipped {
-                (0..steps).fold(0, |any, step| any | differing(step, true))
+            let (within, sides) = (expected.bilinear.map(|walk| walk.within), expected.bilinear.map(|walk| walk.size));
+            let run = Run { begin: coordinate, four, one, within, sides, shift: self.shift };
+            let wrong = if one == NONE || four.contains(&NONE) {
+                run.wrong::<true>(chip, &self.unit, steps)
             } else {
-                (0..steps).fold(0, |any, step| any | differing(step, false))
+                run.wrong::<false>(chip, &self.unit, steps)
             };
             tally.compared += steps as u64;
-            if any != 0 {
-                let mut wrong = (0..steps).filter(|&step| differing(step, is_clipped) != 0).peekable();
-                let first = wrong.peek().map_or(coordinate, |step| coordinate + step);
-                tally.mismatches += wrong.count() as u64;
+            if let Some((first, count)) = wrong {
+                tally.mismatches += count;
                 tally.first.get_or_insert_with(|| {
-                    let (tap, point) = self.taps(chip, first);
-                    format!(
-                        "coordinate {first} on {:?}: {tap:?} and {point:?} instead of {four:?} and {one}",
-                        self.size
-                    )
+                    let at = coordinate + first;
+                    let (tap, point) = (chip.bilinear(&self.unit, at, at), chip.point(&self.unit, 0, at, at));
+                    format!("coordinate {at} on {:?}: {tap:?} and {point:?} instead of {four:?} and {one}", self.size)
                 });
             }
             expected.walk(steps);
             coordinate += steps;
         }
-    }
-
-    /// The chip's bilinear and point tap at a coordinate on both axes.
-    #[inline(always)]
-    fn taps<C: Chip>(&self, chip: &C, at: i64) -> (Footprint, Footprint) {
-        (chip.bilinear(&self.unit, at, at), chip.point(&self.unit, 0, at, at))
     }
 }
 

@@ -173,18 +173,21 @@ impl Plan {
             })
         };
         let (sets, ways) = (numbers("cache.sets", base.cache.sets)?, numbers("cache.ways", base.cache.ways)?);
-        let crossed_count = |place: &str, lists: &mut dyn Iterator<Item = usize>, most: usize| -> Result<usize> {
-            let product = lists.try_fold(1_usize, usize::checked_mul).filter(|&product| product <= most);
+        let crossed_count = |place: &str, lists: &[usize], most: usize| -> Result<usize> {
+            let product = lists
+                .iter()
+                .try_fold(1_usize, |product, &count| product.checked_mul(count))
+                .filter(|&product| product <= most);
             product.ok_or_else(|| refused(place, format!("more than {most} combinations"), "cross fewer values"))
         };
-        crossed_count("set.cache", &mut [sets.len(), ways.len()].into_iter(), CROSSED_MAX)?;
+        crossed_count("set.cache", &[sets.len(), ways.len()], CROSSED_MAX)?;
         let caches: Vec<[u32; 2]> = sets.iter().flat_map(|&sets| ways.iter().map(move |&ways| [sets, ways])).collect();
         axes.retain(|(key, _)| key != "cache.sets" && key != "cache.ways");
 
-        let rows = crossed_count("set", &mut axes.iter().map(|(_, values)| values.len()), CROSSED_MAX)?;
+        let rows = crossed_count("set", &axes.iter().map(|(_, values)| values.len()).collect::<Vec<_>>(), CROSSED_MAX)?;
         let places = [file.scenes.len(), file.sizes.len().max(1)];
-        let of_row = crossed_count("scenes, sizes", &mut places.into_iter(), CROSSED_MAX)?;
-        crossed_count("set, scenes, sizes, filters", &mut [rows, of_row, file.filters.len()].into_iter(), POINTS_MAX)?;
+        let of_row = crossed_count("scenes, sizes", &places, CROSSED_MAX)?;
+        crossed_count("set, scenes, sizes, filters", &[rows, of_row, file.filters.len()], POINTS_MAX)?;
 
         let mut stages = Vec::new();
         for name in &file.scenes {
