@@ -302,6 +302,11 @@ fn a_header_that_claims_what_no_file_holds_is_refused_before_memory_is_asked_for
     let mut gif = good("good-gif");
     gif[6..10].copy_from_slice(&[0xFF; 4]);
     liars.push(("gif of 65535".into(), gif));
+    // The frame is larger than the image it is part of.
+    let mut frame = good("good-gif");
+    let descriptor = frame.windows(9).position(|bytes| bytes == [0x2C, 0, 0, 0, 0, 6, 0, 4, 0]).unwrap();
+    frame[descriptor + 5..descriptor + 9].copy_from_slice(&[0xFF; 4]);
+    liars.push(("gif with a frame of 65535".into(), frame));
     let mut tga = good("good-tga");
     tga[12..16].copy_from_slice(&[0xFF; 4]);
     liars.push(("tga of 65535".into(), tga));
