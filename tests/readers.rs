@@ -185,6 +185,7 @@ fn made() -> Vec<(&'static str, String, Vec<u8>)> {
     ));
     files.push(("mtl", "good-image".into(), b"newmtl it\nmap_Kd texel.ppm\n".to_vec()));
     files.push(("mtl", "bad-colour".into(), b"newmtl it\nKd 1 2\n".to_vec()));
+    files.push(("mtl", "bad-emission".into(), b"newmtl it\nKe \n".to_vec()));
     files.push(("mtl", "bad-image".into(), b"newmtl it\nmap_Kd nowhere.png\n".to_vec()));
     files.extend(gltf_files());
     files
