@@ -157,7 +157,87 @@ fn made() -> Vec<(&'static str, String, Vec<u8>)> {
     files.push(("addresses", "good-binary".into(), (0..32_u64).flat_map(|n| (n * 64).to_le_bytes()).collect()));
     files.push(("addresses", "good-din".into(), b"0 1f40\n2 0x10 fetch\n\n1 ffffffffffffffff\n".to_vec()));
     files.push(("addresses", "bad-neither".into(), b"9 zz\n".to_vec()));
+    files.push((
+        "requests",
+        "good-picture".into(),
+        b"x,y,u,v,dudx,dvdx,dudy,dvdy,filter\n0,0,0.5,0.25,0.01,0,0,0.01,trilinear\n1,0,-1e300,NaN,inf,0,0,0,\n"
+            .to_vec(),
+    ));
+    files.push(("requests", "good-named".into(), b"texture,u,v,dudx,dvdx,dudy,dvdy\r\nit,0,1,2,3,4,5\r\n".to_vec()));
+    files.push(("requests", "bad-column".into(), b"u,v,dudx,dvdx,dudy,dvdy,w\n0,1,2,3,4,5,6\n".to_vec()));
+    files.push(("requests", "bad-pixel".into(), b"x,y,u,v,dudx,dvdx,dudy,dvdy\n16384,0,0,1,2,3,4,5\n".to_vec()));
+    for sweep in ["cache-size", "layout", "one-frame", "widths"] {
+        files.push(("sweep", format!("good-{sweep}"), read(&format!("sweeps/{sweep}.toml"))));
+    }
+    files.push(("sweep", "bad-empty".into(), b"name = \"a\"\nscenes = []\nfilters = [\"point\"]\n".to_vec()));
+    files.push(("obj", "good-quad".into(), OBJ.into()));
+    files.push((
+        "obj",
+        "good-library".into(),
+        format!("mtllib it.mtl\n{OBJ}\nusemtl it\nf -1/-1 -2/-2 -3/-3\n").into_bytes(),
+    ));
+    files.push(("obj", "bad-no-face".into(), b"v 0 0 0\nvt 0 0\n".to_vec()));
+    files.push(("obj", "bad-corner".into(), b"v 0 0 0\nvt 0 0\nf 1/1 1/1 4294967295/1\n".to_vec()));
+    files.push((
+        "mtl",
+        "good-colour".into(),
+        b"# one\nnewmtl it\nKd 1 0.5 0\nKs 0 0 0\nNs 10\nd 0.5\nillum 2\n".to_vec(),
+    ));
+    files.push(("mtl", "good-image".into(), b"newmtl it\nmap_Kd texel.ppm\n".to_vec()));
+    files.push(("mtl", "bad-colour".into(), b"newmtl it\nKd 1 2\n".to_vec()));
+    files.push(("mtl", "bad-emission".into(), b"newmtl it\nKe \n".to_vec()));
+    files.push(("mtl", "bad-image".into(), b"newmtl it\nmap_Kd nowhere.png\n".to_vec()));
+    files.extend(gltf_files());
     files
+}
+
+/// Four corners, in both ways of numbering them.
+const OBJ: &str = "o quad\nv 0 0 0\nv 1 0 0\nv 1 1 0 1.0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1 4/4/1\nf -4/-4 -3/-3 -2/-2\n";
+
+/// A triangle: positions, texture coordinates, indices, and an image.
+fn gltf_files() -> Vec<(&'static str, String, Vec<u8>)> {
+    let corners = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut data: Vec<u8> = corners.iter().flatten().flat_map(|number| number.to_le_bytes()).collect();
+    data.extend(corners.iter().flat_map(|corner| &corner[..2]).flat_map(|number| number.to_le_bytes()));
+    data.extend([0_u16, 1, 2, 0].iter().flat_map(|index| index.to_le_bytes()));
+    let mut png = Cursor::new(Vec::new());
+    DynamicImage::ImageRgba8(picture()).write_to(&mut png, ImageFormat::Png).unwrap();
+    data.extend(png.get_ref());
+    let json = |uri: &str, material: &str| {
+        let image = data.len() - 68;
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],
+"nodes":[{{"children":[1],"rotation":[0,0,0,1],"scale":[1,2,1]}},{{"mesh":0,"translation":[0,0,-2]}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"indices":2,"material":0}}]}}],
+"materials":[{{"pbrMetallicRoughness":{{{material}}}}}],"textures":[{{"source":0}}],
+"images":[{{"bufferView":3,"mimeType":"image/png"}}],
+"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}},
+{{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}},{{"bufferView":2,"componentType":5123,"count":3,"type":"SCALAR"}}],
+"bufferViews":[{{"buffer":0,"byteLength":36}},{{"buffer":0,"byteOffset":36,"byteLength":24,"byteStride":8}},
+{{"buffer":0,"byteOffset":60,"byteLength":6}},{{"buffer":0,"byteOffset":68,"byteLength":{image}}}],
+"buffers":[{{"byteLength":{}{uri}}}]}}"#,
+            data.len()
+        )
+    };
+    let coded = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, &data);
+    let within = format!(",\"uri\":\"data:application/octet-stream;base64,{coded}\"");
+    let text = json(&within, r#""baseColorFactor":[1,0.5,0,1]"#);
+    let mut head = json("", r#""baseColorTexture":{"index":0}"#).into_bytes();
+    head.resize(head.len().next_multiple_of(4), b' ');
+    let mut rest = data.clone();
+    rest.resize(rest.len().next_multiple_of(4), 0);
+    let mut binary = b"glTF".to_vec();
+    for word in [2, 12 + 8 + head.len() + 8 + rest.len(), head.len()] {
+        binary.extend((word as u32).to_le_bytes());
+    }
+    binary.extend([b"JSON".as_slice(), head.as_slice(), &(rest.len() as u32).to_le_bytes(), b"BIN\0", &rest].concat());
+    let far = text.replace("\"byteOffset\":36", "\"byteOffset\":18446744073709551615");
+    vec![
+        ("gltf", "good-text".into(), text.into_bytes()),
+        ("gltf", "good-binary".into(), binary),
+        ("gltf", "bad-view".into(), far.into_bytes()),
+        ("gltf", "bad-nothing".into(), b"{}".to_vec()),
+    ]
 }
 
 #[test]
@@ -169,13 +249,13 @@ fn the_corpora_are_what_is_made_and_readers_take_the_good_and_refuse_the_bad() {
             fs::write(folder(reader).join(name), bytes).unwrap();
         }
     }
-    for (reader, read) in READERS {
+    for &(reader, read) in READERS {
         let expected: BTreeSet<_> =
             made.iter().filter(|file| file.0 == reader).map(|file| (&file.1, &file.2)).collect();
         let found = corpus(reader);
         for (name, bytes) in &expected {
             // Copies of what ships are older as it changes, and must go on being read.
-            let copy = ["scene", "machine", "trace"].contains(&reader) && name.starts_with("good-");
+            let copy = ["scene", "machine", "trace", "sweep"].contains(&reader) && name.starts_with("good-");
             let same = found.iter().any(|(known, stored)| known == *name && (copy || stored == *bytes));
             assert!(same, "fuzz/corpus/{reader}/{name} is not what is made: TEXUNIT_BLESS=1 makes it");
         }
@@ -223,6 +303,11 @@ fn a_header_that_claims_what_no_file_holds_is_refused_before_memory_is_asked_for
     let mut gif = good("good-gif");
     gif[6..10].copy_from_slice(&[0xFF; 4]);
     liars.push(("gif of 65535".into(), gif));
+    // The frame is larger than the image it is part of.
+    let mut frame = good("good-gif");
+    let descriptor = frame.windows(9).position(|bytes| bytes == [0x2C, 0, 0, 0, 0, 6, 0, 4, 0]).unwrap();
+    frame[descriptor + 5..descriptor + 9].copy_from_slice(&[0xFF; 4]);
+    liars.push(("gif with a frame of 65535".into(), frame));
     let mut tga = good("good-tga");
     tga[12..16].copy_from_slice(&[0xFF; 4]);
     liars.push(("tga of 65535".into(), tga));

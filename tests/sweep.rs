@@ -140,6 +140,8 @@ fn a_sweep_goes_on_with_what_is_missing_or_was_of_another_configuration() {
 
 #[test]
 fn bad_sweeps_are_refused_with_the_place() {
+    let start = "name = \"x\"\nscenes = [\"floor\"]\nfilters = [\"point\"]\n";
+    let (many, sizes) = ("1, ".repeat(300), "[4, 4], ".repeat(70_000));
     for (sweep, expected) in [
         ("name = \"x\"\nscenes = []\nfilters = [\"point\"]", "a list is empty"),
         ("name = \"x\"\nscenes = [\"floor\"]\nfilters = [\"pint\"]", "no filter is named `pint`"),
@@ -150,6 +152,9 @@ fn bad_sweeps_are_refused_with_the_place() {
         ("name = \"x\"\nscenes = [\"floor\"]\nfilters = [\"point\"]\nset.lod.bits = []", "set.lod.bits"),
         ("name = \"x\"\nscenes = [\"floor\"]\nfilters = [\"point\"]\nsizes = [[0, 4]]", "[0, 4]"),
         ("name = \"x\"\nscene = [\"floor\"]", "scene"),
+        (&format!("{start}set.cache.sets = [{many}]\nset.cache.ways = [{many}]"), "set.cache: more than 65536"),
+        (&format!("{start}set.lod.bits = [{many}]\nset.filter.bits = [{many}]"), "set: more than 65536"),
+        (&format!("{start}sizes = [{sizes}]"), "scenes, sizes: more than 65536"),
     ] {
         let folder = folder_with(sweep);
         let complaint = refused(folder.path(), &["sweep", "plan", "s.toml"]);

@@ -116,6 +116,13 @@ impl AddressUnit {
         (pair_of.copied().unwrap_or([OUTSIDE; 2]), pair.fraction)
     }
 
+    /// Byte offset of the texel under a coordinate on one axis.
+    #[inline]
+    fn entry(&self, axis: &Axis, coordinate: i64) -> u64 {
+        let index = texel_under(coordinate & axis.mask, axis.size).clamp(FIRST_INDEX, axis.last);
+        self.tables[axis.start + (index - FIRST_INDEX) as usize]
+    }
+
     /// Texels of a plane along both axes.
     #[inline]
     pub(crate) fn size(&self, plane: usize) -> [u32; 2] {
@@ -131,51 +138,46 @@ impl AddressUnit {
     }
 
     /// A bilinear tap at a 12.20 coordinate of any width.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn bilinear(&self, plane: usize, u: i64, v: i64, weight: u32) -> Footprint {
         let [axis_u, axis_v] = &self.axes[plane];
         let ([left, right], fraction_u) = self.pair(axis_u, u);
         let ([top, bottom], fraction_v) = self.pair(axis_v, v);
-        let mut footprint = Footprint {
+        let footprint = Footprint {
             address: [left + top, right + top, left + bottom, right + bottom],
             fraction: [fraction_u as u16, fraction_v as u16],
             weight,
             plane: plane as u16,
             positions: 0,
         };
-        if self.blocks {
-            split_positions(&mut footprint);
-        }
-        footprint
+        if self.blocks { split_positions(footprint) } else { footprint }
     }
 
     /// A point tap.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn point(&self, plane: usize, u: i64, v: i64, weight: u32) -> Footprint {
-        let [left, top] = [(0, u), (1, v)].map(|(axis, coordinate)| {
-            let axis = &self.axes[plane][axis];
-            let index = texel_under(coordinate & axis.mask, axis.size).clamp(FIRST_INDEX, axis.last);
-            self.tables[axis.start + (index - FIRST_INDEX) as usize]
-        });
-        let mut footprint =
+        let [axis_u, axis_v] = &self.axes[plane];
+        let (left, top) = (self.entry(axis_u, u), self.entry(axis_v, v));
+        let footprint =
             Footprint { address: [left + top, 0, 0, 0], fraction: [0; 2], weight, plane: plane as u16, positions: 0 };
-        if self.blocks {
-            split_positions(&mut footprint);
-        }
-        footprint
+        if self.blocks { split_positions(footprint) } else { footprint }
     }
 }
 
 /// Moves the positions from the low bits of the sums to a field of their own: from here on addresses are of bytes.
-fn split_positions(footprint: &mut Footprint) {
+///
+/// A call of its own, so that taps of other formats are short enough to become part of the loops over them.
+#[inline(never)]
+fn split_positions(mut footprint: Footprint) -> Footprint {
     for (number, address) in footprint.address.iter_mut().enumerate() {
         if !is_outside(*address) {
             footprint.positions |= ((*address & ((1 << POSITION_BITS) - 1)) as u16) << (4 * number);
             *address >>= POSITION_BITS;
         }
     }
+    footprint
 }
 
 // Coordinates carry at most 40 bits into the scaler, sides 21: the product stays within 64.

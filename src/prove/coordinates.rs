@@ -35,11 +35,45 @@ pub(super) fn proofs<C: Chip>() -> Vec<Proof<C>> {
 /// Coordinate units in one repeat.
 const TURN: i64 = 1 << 20;
 
-/// A coordinate on its way along an axis, by addition and comparison only: the texel index without bounds, and how far in it, of
-/// 2^20.
+/// No texel.
+const NONE: u64 = u64::MAX;
+
+/// A texel of an axis that repeats: of which copy of the texture, and which of it.
+#[derive(Clone, Copy)]
+struct Repeated {
+    copy: i64,
+    texel: i64,
+}
+
+impl Repeated {
+    /// The one after it.
+    fn next(self, size: i64) -> Self {
+        if self.texel + 1 == size {
+            Self { copy: self.copy + 1, texel: 0 }
+        } else {
+            Self { texel: self.texel + 1, ..self }
+        }
+    }
+
+    /// The texel of the texture it stands for: by which copy it is of.
+    fn standing_for(self, size: i64, mode: AddressMode) -> u64 {
+        let Self { copy, texel } = self;
+        let is_backwards = mode == AddressMode::Mirror && copy % 2 != 0;
+        let texel = match mode {
+            AddressMode::Clamp if copy < 0 => 0,
+            AddressMode::Clamp if copy > 0 => size - 1,
+            AddressMode::Clip if copy != 0 => return NONE,
+            _ if is_backwards => size - 1 - texel,
+            _ => texel,
+        };
+        texel as u64
+    }
+}
+
+/// A coordinate on its way along an axis, by addition and comparison only: a texel, and how far in it, of 2^20.
 #[derive(Clone, Copy)]
 struct Walk {
-    index: i64,
+    at: Repeated,
     within: i64,
     size: i64,
 }
@@ -47,18 +81,18 @@ struct Walk {
 impl Walk {
     /// At a coordinate, `half` a texel (of 2^20) back.
     fn at(coordinate: i64, size: u32, half: i64) -> Self {
+        let size = i64::from(size);
         let position = i128::from(coordinate) * i128::from(size) - i128::from(half);
-        let turn = i128::from(TURN);
-        Self {
-            index: position.div_euclid(turn) as i64,
-            within: position.rem_euclid(turn) as i64,
-            size: i64::from(size),
-        }
+        let (turn, side) = (i128::from(TURN), i128::from(size));
+        let index = position.div_euclid(turn);
+        let at = Repeated { copy: index.div_euclid(side) as i64, texel: index.rem_euclid(side) as i64 };
+        Self { at, within: position.rem_euclid(turn) as i64, size }
     }
 
     /// Coordinates from here on in the same texel, this one among them.
     fn left(&self) -> i64 {
-        (TURN - self.within + self.size - 1) / self.size
+        // Both fit 32 bits, whose division is several times as fast.
+        i64::from((TURN - self.within + self.size - 1) as u32 / self.size as u32)
     }
 
     /// So many coordinates on, not beyond the first of the next texel.
@@ -66,26 +100,9 @@ impl Walk {
         self.within += steps * self.size;
         if self.within >= TURN {
             self.within -= TURN;
-            self.index += 1;
+            self.at = self.at.next(self.size);
         }
     }
-}
-
-/// No texel.
-const NONE: u64 = u64::MAX;
-
-/// The texel an index stands for: by how often the texture was passed.
-fn standing_for(index: i64, size: i64, mode: AddressMode) -> u64 {
-    let (passed, within) = (index.div_euclid(size), index.rem_euclid(size));
-    let backwards = mode == AddressMode::Mirror && passed % 2 != 0;
-    let texel = match mode {
-        AddressMode::Clamp if passed < 0 => 0,
-        AddressMode::Clamp if passed > 0 => size - 1,
-        AddressMode::Clip if passed != 0 => return NONE,
-        _ if backwards => size - 1 - within,
-        _ => within,
-    };
-    texel as u64
 }
 
 /// Both axes of a texture at one coordinate.
@@ -113,26 +130,117 @@ impl Both {
     }
 
     /// Where the texels lie, row by row: four of the bilinear tap, and the one of the point tap.
-    fn addresses(&self, size: [u32; 2], mode: AddressMode, element: u64) -> ([u64; 4], u64) {
-        let standing_for = |axis: usize, index: i64| standing_for(index, size[axis].into(), mode);
+    fn addresses(&self, mode: AddressMode, element: u64) -> ([u64; 4], u64) {
+        let width = self.point[0].size as u64;
         let byte = |column: u64, row: u64| {
-            if column == NONE || row == NONE { NONE } else { (column + row * u64::from(size[0])) * element }
+            if column == NONE || row == NONE { NONE } else { (column + row * width) * element }
         };
-        let [columns, rows] =
-            [0, 1].map(|axis| [0, 1].map(|next| standing_for(axis, self.bilinear[axis].index + next)));
-        let [column, row] = [0, 1].map(|axis| standing_for(axis, self.point[axis].index));
+        let [columns, rows] = self
+            .bilinear
+            .map(|Walk { at, size, .. }| [at, at.next(size)].map(|repeated| repeated.standing_for(size, mode)));
+        let [column, row] = self.point.map(|walk| walk.at.standing_for(walk.size, mode));
         ([0, 1, 2, 3].map(|texel| byte(columns[texel & 1], rows[texel >> 1])), byte(column, row))
+    }
+}
+
+/// Coordinates with the same texels: only the fractions change among them, and a loop over them has no branch.
+struct Run {
+    begin: i64,
+    /// Addresses of the bilinear tap, and that of the point tap.
+    four: [u64; 4],
+    one: u64,
+    /// How far in a texel the bilinear tap is at the first, of 2^20, and how much farther at each of the others.
+    within: [i64; 2],
+    sides: [i64; 2],
+    /// From 2^20 of a texel to the bits of a fraction.
+    shift: u32,
+}
+
+impl Run {
+    /// Bits in which the taps of a coordinate are not as they should be. `CLIPPED` if some texels are none; where all are there an
+    /// address outside differs from any.
+    #[inline(always)]
+    fn differing<const CLIPPED: bool>(&self, chip: &impl Chip, unit: &AddressUnit, step: i64) -> u64 {
+        let at = self.begin + step;
+        let seen = |address: u64| if CLIPPED && is_outside(address) { NONE } else { address };
+        let mut differing = seen(chip.point(unit, 0, at, at).address[0]) ^ self.one;
+        let tap = chip.bilinear(unit, at, at);
+        for texel in 0..4 {
+            differing |= seen(tap.address[texel]) ^ self.four[texel];
+        }
+        for axis in 0..2 {
+            let fraction = (self.within[axis] + step * self.sides[axis]) >> self.shift;
+            differing |= u64::from(tap.fraction[axis]) ^ fraction as u64;
+        }
+        differing
+    }
+
+    /// The wrong ones of so many coordinates: the first, and how many.
+    fn wrong<const CLIPPED: bool>(&self, chip: &impl Chip, unit: &AddressUnit, steps: i64) -> Option<(i64, u64)> {
+        let mut any = 0;
+        for step in 0..steps {
+            any |= self.differing::<CLIPPED>(chip, unit, step);
+        }
+        if any == 0 {
+            return None;
+        }
+        let mut wrong = (0..steps).filter(|&step| self.differing::<CLIPPED>(chip, unit, step) != 0);
+        wrong.next().map(|first| (first, 1 + wrong.count() as u64))
+    }
+}
+
+/// One texture of [`SIZES`] under an address mode.
+struct Axes {
+    size: [u32; 2],
+    mode: AddressMode,
+    unit: AddressUnit,
+    /// Bytes of a texel.
+    element: u64,
+    shift: u32,
+}
+
+impl Axes {
+    fn new(size: [u32; 2], bits: u8, mode: AddressMode) -> Self {
+        let surface = Surface::new(PyramidKind::Sat, Layout::RowMajor, Format::L8, size[0], size[1])
+            .expect("sizes that exist, row by row");
+        let unit = AddressUnit::new(&surface, [mode; 2], bits);
+        let (element, shift) = (surface.bytes_per_read().into(), TURN.ilog2() - u32::from(bits));
+        Self { size, mode, unit, element, shift }
+    }
+
+    /// The coordinates of a piece.
+    fn piece<C: Chip>(&self, chip: &C, begin: i64, end: i64, tally: &mut Tally) {
+        let mut expected = Both::at(begin, self.size);
+        let mut coordinate = begin;
+        while coordinate < end {
+            let steps = expected.left().min(end - coordinate);
+            let (four, one) = expected.addresses(self.mode, self.element);
+            let (within, sides) = (expected.bilinear.map(|walk| walk.within), expected.bilinear.map(|walk| walk.size));
+            let run = Run { begin: coordinate, four, one, within, sides, shift: self.shift };
+            let wrong = if one == NONE || four.contains(&NONE) {
+                run.wrong::<true>(chip, &self.unit, steps)
+            } else {
+                run.wrong::<false>(chip, &self.unit, steps)
+            };
+            tally.compared += steps as u64;
+            if let Some((first, count)) = wrong {
+                tally.mismatches += count;
+                tally.first.get_or_insert_with(|| {
+                    let at = coordinate + first;
+                    let (tap, point) = (chip.bilinear(&self.unit, at, at), chip.point(&self.unit, 0, at, at));
+                    format!("coordinate {at} on {:?}: {tap:?} and {point:?} instead of {four:?} and {one}", self.size)
+                });
+            }
+            expected.walk(steps);
+            coordinate += steps;
+        }
     }
 }
 
 fn address_mode<C: Chip>(chip: &C, work: &Work<'_>, mode: AddressMode) -> Option<Tally> {
     const PIECE: i64 = 1 << 16;
     const PIECES: i64 = (1 << 32) / PIECE;
-    let units = SIZES.map(|(size, bits)| {
-        let surface = Surface::new(PyramidKind::Sat, Layout::RowMajor, Format::L8, size[0], size[1])
-            .expect("sizes that exist, row by row");
-        (size, bits, AddressUnit::new(&surface, [mode; 2], bits), u64::from(surface.bytes_per_read()))
-    });
+    let textures = SIZES.map(|(size, bits)| Axes::new(size, bits, mode));
     // Quick: both ends of the repeats around zero and at the ends of the range.
     let a_turn = TURN / PIECE;
     let near = |piece: &i64| [0, a_turn - 1].contains(&(piece % a_turn));
@@ -142,42 +250,7 @@ fn address_mode<C: Chip>(chip: &C, work: &Work<'_>, mode: AddressMode) -> Option
     work.over(pieces.len(), |number| {
         let begin = pieces[number] * PIECE - (1 << 31);
         let mut tally = Tally::default();
-        for (size, bits, unit, element) in &units {
-            let shift = TURN.ilog2() - u32::from(*bits);
-            let mut expected = Both::at(begin, *size);
-            let mut coordinate = begin;
-            while coordinate < begin + PIECE {
-                // As far as the texels are the same only the fractions change: that loop has no branch.
-                let steps = expected.left().min(begin + PIECE - coordinate);
-                let (four, one) = expected.addresses(*size, mode, *element);
-                let [within_u, within_v] = expected.bilinear.map(|walk| walk.within);
-                let [side_u, side_v] = size.map(i64::from);
-                let is_wrong = |step: i64| {
-                    let tap = chip.bilinear(unit, coordinate + step, coordinate + step);
-                    let point = chip.point(unit, 0, coordinate + step, coordinate + step);
-                    let seen = |address: u64| if is_outside(address) { NONE } else { address };
-                    let mut wrong = seen(point.address[0]) ^ one;
-                    for (address, expected) in tap.address.into_iter().zip(four) {
-                        wrong |= seen(address) ^ expected;
-                    }
-                    wrong |= u64::from(tap.fraction[0]) ^ ((within_u + step * side_u) >> shift) as u64;
-                    wrong |= u64::from(tap.fraction[1]) ^ ((within_v + step * side_v) >> shift) as u64;
-                    wrong != 0
-                };
-                let wrong: u64 = (0..steps).map(|step| u64::from(is_wrong(step))).sum();
-                tally.compared += steps as u64;
-                tally.mismatches += wrong;
-                if wrong > 0 && tally.first.is_none() {
-                    tally.first = (0..steps).find(|step| is_wrong(*step)).map(|step| {
-                        let at = coordinate + step;
-                        let (tap, point) = (chip.bilinear(unit, at, at), chip.point(unit, 0, at, at));
-                        format!("coordinate {at} on {size:?}: {tap:?} and {point:?} instead of {four:?} and {one}")
-                    });
-                }
-                expected.walk(steps);
-                coordinate += steps;
-            }
-        }
+        textures.iter().for_each(|texture| texture.piece(chip, begin, begin + PIECE, &mut tally));
         tally
     })
 }

@@ -41,10 +41,12 @@ pub trait Chip: Sync + 'static {
         datapath::lerp(a, b, fraction, bits, half)
     }
     /// A bilinear tap on plane 0.
+    #[inline(always)]
     fn bilinear(&self, unit: &AddressUnit, u: i64, v: i64) -> Footprint {
         unit.bilinear(0, u, v, 1)
     }
     /// A point tap.
+    #[inline(always)]
     fn point(&self, unit: &AddressUnit, plane: usize, u: i64, v: i64) -> Footprint {
         unit.point(plane, u, v, 1)
     }

@@ -6,7 +6,9 @@ use std::{
     path::Path,
 };
 
-use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, codecs::png::PngEncoder};
+use image::{
+    DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, Limits, codecs::png::PngEncoder,
+};
 
 use super::PlaneImage;
 use crate::{
@@ -22,6 +24,9 @@ pub const MOST_TEXELS: u64 = 1 << 30;
 
 /// No compression of an image packs more texels than this into a byte: deflate makes 1032 bytes of one, of 8 texels each at 1 bit.
 const TEXELS_OF_A_BYTE: u64 = 8 * 1032;
+
+/// No decoder needs more memory than this for each of them: four channels of 32 bits.
+const BYTES_OF_A_TEXEL: u64 = 16;
 
 /// What a header may claim without a file to match.
 const TEXELS_OF_ANY_FILE: u64 = 1 << 22;
@@ -60,14 +65,19 @@ pub fn read(path: &Path, mut source: impl BufRead + Seek) -> Result<PlaneImage> 
         }
     }
     reader.no_limits();
-    let decoder = reader.into_decoder().map_err(damaged)?;
+    let mut decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width, height)?;
     let texels = u64::from(width) * u64::from(height);
-    if texels > TEXELS_OF_ANY_FILE.saturating_add(bytes.saturating_mul(TEXELS_OF_A_BYTE)) {
+    let most_texels = TEXELS_OF_ANY_FILE.saturating_add(bytes.saturating_mul(TEXELS_OF_A_BYTE));
+    if texels > most_texels {
         let problem = format!("{width} x {height} texels in a file of {bytes} bytes");
         return Err(Error::file(path, "size", problem, "the file is damaged or cut short: take it from where it came"));
     }
+    // The frame of a GIF has a size of its own, whatever the image's.
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(most_texels.saturating_mul(BYTES_OF_A_TEXEL));
+    decoder.set_limits(limits).map_err(damaged)?;
     Ok(PlaneImage::of_image(&DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8()))
 }
 

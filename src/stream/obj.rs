@@ -140,7 +140,7 @@ fn materials(path: &Path) -> Result<(Vec<tobj::Material>, HashMap<String, usize>
     for (number, line) in (1..).zip(text.lines()) {
         let mut words = line.split_whitespace();
         // `tobj` 4.0.5 takes it for granted that there are three.
-        if words.next().is_some_and(|key| ["Ka", "Kd", "Ks"].contains(&key)) && words.count() < 3 {
+        if words.next().is_some_and(|key| ["Ka", "Kd", "Ke", "Ks"].contains(&key)) && words.count() < 3 {
             let remedy = "write a colour as red, green and blue, 0 to 1";
             return Err(Error::file(path, format!("line {number}"), format!("`{}` is no colour", line.trim()), remedy));
         }

@@ -3,7 +3,12 @@
 //! Columns `u`, `v`, `dudx`, `dvdx`, `dudy`, `dvdy` (normalised coordinates, change per pixel step) are required; `x`, `y` (pixel),
 //! `texture` (a name) and `filter` may be there. Any other column is an error: a misspelt one would be silently ignored.
 
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::{BufReader, Read},
+    path::{Path, PathBuf},
+};
 
 use serde::Deserialize;
 use texunit_hw::Filter;
@@ -49,7 +54,28 @@ pub const PIXEL_MAX: u16 = 16383;
 ///
 /// # Errors
 /// A missing or damaged file, a row that is none (with its number), a texture that cannot be read, a filter nobody knows.
-pub fn load(path: &Path, textures: &[(String, std::path::PathBuf)]) -> Result<Stream> {
+pub fn load(path: &Path, textures: &[(String, PathBuf)]) -> Result<Stream> {
+    if path.extension().is_some_and(|extension| extension == "parquet") {
+        collect(path, textures, |take| read_parquet(path, take))
+    } else {
+        read(path, BufReader::new(File::open(path).map_err(Error::io(path))?), textures)
+    }
+}
+
+/// The same from CSV of any source; `path` is for messages, and the folder of the textures it names.
+///
+/// # Errors
+/// As [`load`].
+pub fn read(path: &Path, source: impl Read, textures: &[(String, PathBuf)]) -> Result<Stream> {
+    collect(path, textures, |take| read_csv(path, source, take))
+}
+
+/// A stream of all rows that `read` finds.
+fn collect(
+    path: &Path,
+    textures: &[(String, PathBuf)],
+    read: impl FnOnce(&mut Take<'_>) -> Result<()>,
+) -> Result<Stream> {
     let mut loader = Loader { path, textures, stream: Stream::default(), known: BTreeMap::new() };
     let mut end = Some([0_u32; 2]);
     let mut take = |number: u64, row: Row| {
@@ -61,11 +87,7 @@ pub fn load(path: &Path, textures: &[(String, std::path::PathBuf)]) -> Result<St
         };
         loader.take(number, row)
     };
-    if path.extension().is_some_and(|extension| extension == "parquet") {
-        read_parquet(path, &mut take)?;
-    } else {
-        read_csv(path, &mut take)?;
-    }
+    read(&mut take)?;
     let mut stream = loader.stream;
     if stream.requests.is_empty() {
         return Err(Error::file(path, "row 1", "there is no request", REMEDY));
@@ -76,7 +98,7 @@ pub fn load(path: &Path, textures: &[(String, std::path::PathBuf)]) -> Result<St
 
 struct Loader<'l> {
     path: &'l Path,
-    textures: &'l [(String, std::path::PathBuf)],
+    textures: &'l [(String, PathBuf)],
     stream: Stream,
     known: BTreeMap<String, usize>,
 }
@@ -126,9 +148,8 @@ impl Loader<'_> {
     }
 }
 
-fn read_csv(path: &Path, take: &mut Take<'_>) -> Result<()> {
-    let file = std::fs::File::open(path).map_err(Error::io(path))?;
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(std::io::BufReader::new(file));
+fn read_csv(path: &Path, source: impl Read, take: &mut Take<'_>) -> Result<()> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(source);
     for (number, row) in (1..).zip(reader.deserialize()) {
         let row: Row = row.map_err(|error| match error.into_kind() {
             csv::ErrorKind::Io(error) => Error::io(path)(error),
@@ -154,7 +175,7 @@ fn read_parquet(path: &Path, take: &mut Take<'_>) -> Result<()> {
         record::Field,
     };
     let wrong = |place: String, problem: String| Error::file(path, place, problem, REMEDY);
-    let file = std::fs::File::open(path).map_err(Error::io(path))?;
+    let file = File::open(path).map_err(Error::io(path))?;
     let reader = SerializedFileReader::new(file).map_err(|error| wrong("its metadata".into(), error.to_string()))?;
     let rows = reader.get_row_iter(None).map_err(|error| wrong("its schema".into(), error.to_string()))?;
     for (number, row) in (1..).zip(rows) {

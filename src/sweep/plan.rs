@@ -1,6 +1,10 @@
 //! From a sweep file to its points.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -19,6 +23,9 @@ use crate::{
 
 /// Most points of a sweep: a longer list is a typing error.
 const POINTS_MAX: usize = 1_000_000;
+
+/// Most machines, scenes in sizes, or caches that are crossed: a list of a hundred lines could otherwise ask for all the memory there is.
+const CROSSED_MAX: usize = 1 << 16;
 
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
@@ -66,9 +73,9 @@ pub struct Point {
     /// Which filter.
     pub filter: Filter,
     /// The swept keys with their values here, as on a command line.
-    pub settings: Vec<(String, String)>,
+    pub settings: Arc<[(String, String)]>,
     /// The machine that makes.
-    pub machine: Machine,
+    pub machine: Arc<Machine>,
 }
 
 impl Point {
@@ -128,10 +135,17 @@ impl Plan {
     /// # Errors
     /// [`Error::Io`], or what is wrong in it, with its place.
     pub fn load(path: &Path) -> Result<Self> {
-        let source = crate::text_file::read(path)?;
+        Self::parse(path, &crate::text_file::read(path)?)
+    }
+
+    /// The same from the text of a file; `path` is for messages, and the folder of what it names.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn parse(path: &Path, source: &str) -> Result<Self> {
         let remedy = "docs/sweeps.md lists the keys; sweeps/cache-size.toml is an example";
         let file: SweepFile =
-            toml::from_str(&source).map_err(|found| annotated::toml_error(path, &source, &found, remedy))?;
+            toml::from_str(source).map_err(|found| annotated::toml_error(path, source, &found, remedy))?;
         Self::expand(file, path)
     }
 
@@ -159,8 +173,21 @@ impl Plan {
             })
         };
         let (sets, ways) = (numbers("cache.sets", base.cache.sets)?, numbers("cache.ways", base.cache.ways)?);
+        let crossed_count = |place: &str, lists: &[usize], most: usize| -> Result<usize> {
+            let product = lists
+                .iter()
+                .try_fold(1_usize, |product, &count| product.checked_mul(count))
+                .filter(|&product| product <= most);
+            product.ok_or_else(|| refused(place, format!("more than {most} combinations"), "cross fewer values"))
+        };
+        crossed_count("set.cache", &[sets.len(), ways.len()], CROSSED_MAX)?;
         let caches: Vec<[u32; 2]> = sets.iter().flat_map(|&sets| ways.iter().map(move |&ways| [sets, ways])).collect();
         axes.retain(|(key, _)| key != "cache.sets" && key != "cache.ways");
+
+        let rows = crossed_count("set", &axes.iter().map(|(_, values)| values.len()).collect::<Vec<_>>(), CROSSED_MAX)?;
+        let places = [file.scenes.len(), file.sizes.len().max(1)];
+        let of_row = crossed_count("scenes, sizes", &places, CROSSED_MAX)?;
+        crossed_count("set, scenes, sizes, filters", &[rows, of_row, file.filters.len()], POINTS_MAX)?;
 
         let mut stages = Vec::new();
         for name in &file.scenes {
@@ -173,18 +200,13 @@ impl Plan {
                 stages.push(StageChoice { scene: Scene { size, ..scene.clone() } });
             }
         }
-        let rows = axes.iter().map(|(_, values)| values.len()).try_fold(1_usize, usize::checked_mul);
-        let count = rows.and_then(|rows| rows.checked_mul(stages.len() * file.filters.len()));
-        if count.is_none_or(|count| count > POINTS_MAX) {
-            return Err(refused("set", "more than a million points".into(), "cross fewer keys"));
-        }
         let mut points = Vec::new();
         for settings in crossed(&axes) {
             let given: Vec<String> = settings.iter().map(|(key, value)| format!("{key}={value}")).collect();
-            let machine = base.with_settings(&given)?;
+            let (settings, machine) = (Arc::<[_]>::from(settings), Arc::new(base.with_settings(&given)?));
             for (stage, _) in stages.iter().enumerate() {
                 for FilterName(filter) in &file.filters {
-                    let (settings, machine) = (settings.clone(), machine.clone());
+                    let (settings, machine) = (Arc::clone(&settings), Arc::clone(&machine));
                     points.push(Point { number: 0, stage, filter: *filter, settings, machine });
                 }
             }
@@ -203,9 +225,10 @@ impl Plan {
             keys: axes.into_iter().map(|(key, _)| key).collect(),
             points,
         };
-        for point in &plan.points {
-            for geometry in plan.geometries(point) {
-                geometry.check().map_err(|error| {
+        let lines: BTreeSet<u32> = plan.points.iter().map(|point| point.machine.cache.line).collect();
+        for line in lines {
+            for &[sets, ways] in &plan.caches {
+                Geometry { sets, ways, line }.check().map_err(|error| {
                     Error::file(path, "set.cache", error.to_string(), "for instance cache.sets = [32, 64]")
                 })?;
             }
@@ -228,7 +251,7 @@ impl Plan {
             "measure": self.measure,
             "filter": point.filter.name(),
             "scene": scene,
-            "machine": point.machine,
+            "machine": *point.machine,
             "caches": self.caches,
         });
         if let TextureSource::File { image, .. } = &scene.texture.source {
