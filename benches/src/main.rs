@@ -2,11 +2,11 @@
 
 use texunit_benches::{
     contest::{Goal, Row, seconds},
-    workload::Case,
+    workload::{Addresses, Case},
     yardstick::{self, Counted},
 };
 use texunit_hw::{
-    Batch, Filter, Geometry, Policy, Request, Response, Sampler, Sink, Unit,
+    Filter, Geometry, Policy, Request, Response, Sampler, Unit,
     cache::{Cache, Counters, Detail, MissClassifier, PlaneCounters, TexelCache},
     sweep::{FifoSweep, Grid, LruSweep},
     timing::{DramParameters, MainMemory, MemoryParameters, Parameters, Timing},
@@ -22,15 +22,6 @@ const TEXUNIT: &str = "../target/release/texunit";
 
 /// Times a block is answered.
 const TIMES: usize = 256;
-
-/// Collects the address stream.
-struct Addresses(Vec<u64>);
-
-impl Sink for Addresses {
-    fn take(&mut self, batch: Batch<'_>) {
-        batch.for_each_read(|_, address| self.0.push(address));
-    }
-}
 
 /// The counters of the model as the yardstick has them.
 fn counted(counters: Counters, planes: &[PlaneCounters]) -> Counted {

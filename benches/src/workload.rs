@@ -8,7 +8,7 @@ use texunit::{
     scene::{Fragment, Gradient},
     texture_memory::{Held, TextureMemory},
 };
-use texunit_hw::{AddressMode, Filter, Request};
+use texunit_hw::{AddressMode, Batch, Filter, Request, Sink};
 
 /// Columns.
 pub const WIDTH: usize = 1920;
@@ -88,5 +88,15 @@ impl Case {
             .collect();
         let requests = front_end.requests(&fragments).0;
         Self { pyramid, memory, requests, fragments }
+    }
+}
+
+/// Collects the address stream.
+#[derive(Debug, Default)]
+pub struct Addresses(pub Vec<u64>);
+
+impl Sink for Addresses {
+    fn take(&mut self, batch: Batch<'_>) {
+        batch.for_each_read(|_, address| self.0.push(address));
     }
 }

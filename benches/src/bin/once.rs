@@ -2,19 +2,14 @@
 
 use std::hint::black_box;
 
-use texunit_benches::{workload::Case, yardstick};
+use texunit_benches::{
+    workload::{Addresses, Case},
+    yardstick,
+};
 use texunit_hw::{
     Batch, FILTERS, Geometry, Policy, Response, Sampler, Sink, Unit,
     cache::{Cache, Detail, TexelCache},
 };
-
-struct Addresses(Vec<u64>);
-
-impl Sink for Addresses {
-    fn take(&mut self, batch: Batch<'_>) {
-        batch.for_each_read(|_, address| self.0.push(address));
-    }
-}
 
 /// Has taps made, and leaves them.
 struct Nothing;
