@@ -219,3 +219,25 @@ fn lanes_serve_the_common_case_where_the_machine_has_them() {
     assert_eq!(lanes(&Sampler { filter_bits: 7, ..Sampler::default() }), 1);
     assert_eq!(lanes(&Sampler { rounding: Rounding::StagedRound, ..Sampler::default() }), 1);
 }
+
+#[test]
+fn memories_beyond_four_gibibytes_are_read_where_they_are() {
+    let surface = Surface::new(Filter::Feline.pyramid(), Layout::RowMajor, Format::Rgba8, 32_768, 32_768);
+    let surface = surface.expect("a surface");
+    // Pages that are neither written nor read are never there.
+    let mut bytes = vec![0; surface.bytes as usize];
+    let level_1 = surface.planes[1].base as usize;
+    assert!(level_1 >= 1 << 32);
+    bytes[level_1..level_1 + 4096].iter_mut().zip((1..=251).cycle()).for_each(|(byte, value)| *byte = value);
+    // Two texels of level 0 a pixel along both axes: level 1.
+    let step = I12F20::from_bits(2 << (20 - 15));
+    let axes = [[step, I12F20::ZERO], [I12F20::ZERO, step]];
+    let scale = [4.0_f32.to_bits(); 2];
+    let request = |texel: i32| Request { axes, scale, ..Request::at(I12F20::from_bits(texel << 6), I12F20::ZERO) };
+    let requests: Vec<Request> = (0..64).map(request).collect();
+    let sampler = Sampler { filter: Filter::Feline, ..Sampler::default() };
+    compare(&sampler, &surface, &bytes, &requests);
+    let mut responses = vec![Response::default(); requests.len()];
+    Unit::new(&sampler, &surface, &bytes).expect("a unit").run(&requests, &mut responses, &mut ());
+    assert!(responses.iter().all(|response| response.lod[0] == 256 && response.texel != [0; 4]));
+}
