@@ -153,7 +153,7 @@ impl<O: TimingObserver> Timing<O> {
 
     /// Looks up taps address by address, and times them.
     fn look_up_and_time(&mut self, taps_of_requests: impl Iterator<Item = usize>, taps: &Gathered) {
-        self.reads.clear();
+        self.reads.clear(taps.len());
         for tap in 0..taps.len() {
             self.reads.tap();
             self.cache.read_observed(taps.plane(tap).into(), taps.addresses(tap), &mut self.reads);
@@ -312,7 +312,7 @@ impl<O: TimingObserver> Sink for Timing<O> {
             self.gathered = gathered;
             return;
         }
-        self.reads.clear();
+        self.reads.clear(batch.taps.len());
         self.cache.take_observed(batch, &mut self.reads);
         let apart = core::mem::take(&mut self.apart);
         self.time(taps_of_requests, &InPlace { taps: batch.taps, texels: batch.texels_per_tap, apart: &apart });

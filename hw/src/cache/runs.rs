@@ -21,6 +21,8 @@ pub(crate) struct Run {
     pub(super) texels: u64,
     /// Number of the tap in its batch.
     pub(crate) tap: u32,
+    /// Whether it is a texel on its own: only then can another run of the tap be of the same line.
+    pub(crate) alone: bool,
 }
 
 /// What watches a cache that is read run by run.
@@ -141,6 +143,7 @@ impl Splitter {
                         line: found.line[which][lane].into(),
                         texels: found.texels[which][lane].into(),
                         tap: (number + lane) as u32,
+                        alone: false,
                     };
                     let pair = ([run(0), run(1)], 1 + (found.pairs >> lane & 1) as usize);
                     add(number + lane, tap, (found.others >> lane & 1 == 0).then_some(pair));
@@ -169,7 +172,7 @@ impl Splitter {
             return None;
         }
         let [a, b, c, d] = tap.address.map(|address| 1 << (address >> self.texel_shift & self.texel_mask));
-        let run = |line, texels| Run { line, texels, tap: number as u32 };
+        let run = |line, texels| Run { line, texels, tap: number as u32, alone: false };
         Some(match (in_rows, in_columns) {
             (true, true) => ([run(lines[0], a | b | c | d); 2], 1),
             (true, false) => ([run(lines[0], a | b), run(lines[2], c | d)], 2),
@@ -184,7 +187,7 @@ impl Splitter {
         for (&address, run) in addresses.iter().filter(|&&address| !is_outside(address)).zip(runs) {
             let texel = address >> self.texel_shift & self.texel_mask;
             let texels = if self.texel_mask < 64 { 1 << texel } else { texel };
-            *run = Run { line: address >> self.line_shift, texels, tap: number as u32 };
+            *run = Run { line: address >> self.line_shift, texels, tap: number as u32, alone: true };
             count += 1;
         }
         count

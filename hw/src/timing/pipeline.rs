@@ -253,7 +253,7 @@ impl Pipeline {
             pipe.counts.requests += 1;
             pipe.counts.cycles = result + 1;
             pipe.request_latency.add(result - entry);
-            histograms.add(taps, number, end);
+            histograms.add((count, planes_among(taps, number, end)), 1);
             number = end;
         }
         *self = pipe;
@@ -261,19 +261,14 @@ impl Pipeline {
 }
 
 impl Histograms {
-    /// Counts a request of some taps.
+    /// Counts requests of so many taps of so many planes.
     #[inline(always)]
-    pub(super) fn add(&mut self, taps: &impl Taps, begin: usize, end: usize) {
-        let (count, planes) = (end - begin, planes_among(taps, begin, end));
-        // A division takes as long as everything else here together.
-        let probes = match planes {
-            1 => count,
-            _ if planes == count => 1,
-            _ => count / planes,
-        };
-        self.taps[count.min(HISTOGRAM_MAX)] += 1;
-        self.planes[planes.min(HISTOGRAM_MAX)] += 1;
-        self.anisotropy[probes.min(HISTOGRAM_MAX)] += 1;
+    pub(super) fn add(&mut self, (taps, planes): (usize, usize), requests: u64) {
+        if requests > 0 {
+            self.taps[taps.min(HISTOGRAM_MAX)] += requests;
+            self.planes[planes.min(HISTOGRAM_MAX)] += requests;
+            self.anisotropy[(taps / planes).min(HISTOGRAM_MAX)] += requests;
+        }
     }
 }
 
@@ -282,7 +277,7 @@ const PLANES_MAX: usize = 8;
 
 /// The number of planes among some taps.
 #[inline(always)]
-fn planes_among(taps: &impl Taps, begin: usize, end: usize) -> usize {
+pub(super) fn planes_among(taps: &impl Taps, begin: usize, end: usize) -> usize {
     if end - begin <= 2 {
         return if taps.plane(begin) == taps.plane(end - 1) { 1 } else { 2 };
     }

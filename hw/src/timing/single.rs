@@ -7,7 +7,7 @@ use super::{
     counters::PlaneTiming,
     events::{FillTimes, RequestTimes, TapTimes, TimingObserver},
     parameters::{Mode, Parameters},
-    pipeline::{Beside, Pipeline, Taps},
+    pipeline::{Beside, Pipeline, Taps, planes_among},
     queue::{Ledger, Width},
     tap_reads::TapReads,
 };
@@ -85,7 +85,10 @@ impl Pipeline {
         let mut tag_unit = Unit::new(pipe.ledgers.tag);
         let mut data_unit = Unit::new(pipe.ledgers.data);
         let mut counts = pipe.counts;
-        let (mut tap, mut accesses) = (0, reads.accesses().iter().as_slice());
+        let (mut reads_made, mut data_words_less) = (0, 0);
+        let (mut tap, mut accesses) = (0, reads.accesses());
+        // Most requests are of the same shape as the one before.
+        let (mut shape, mut of_shape) = ((0, 0), 0);
         for count in taps_of_requests {
             if count == 0 {
                 continue;
@@ -183,11 +186,10 @@ impl Pipeline {
                     row.stall_wait_read += waited;
                     data_done += writes;
                 }
-                counts.data_words += addresses.len() as u64;
                 if !taps.apart(tap) {
                     let (done, words) = pipe.data_banks.read(addresses, data_done);
                     counts.data_conflict_clocks += done - data_done;
-                    counts.data_words -= addresses.len() as u64 - words;
+                    data_words_less += addresses.len() as u64 - words;
                     data_done = done;
                 }
                 data_unit.next = data_done + 1;
@@ -196,6 +198,7 @@ impl Pipeline {
                 datapath = data_done + data_latency;
                 row.taps += 1;
                 row.reads += addresses.len() as u64;
+                reads_made += addresses.len() as u64;
                 row.fetches_ok += (made - missed) as u64;
                 observer.tap(TapTimes {
                     tap: counts.taps,
@@ -222,10 +225,17 @@ impl Pipeline {
             counts.requests += 1;
             counts.cycles = result + 1;
             pipe.request_latency.add(result - entry);
-            histograms.add(taps, begin, end);
+            let shape_now = (count, planes_among(taps, begin, end));
+            if shape_now != shape {
+                histograms.add(shape, of_shape);
+                (shape, of_shape) = (shape_now, 0);
+            }
+            of_shape += 1;
         }
+        histograms.add(shape, of_shape);
 
         let (new_requests, new_taps) = (counts.requests - pipe.counts.requests, counts.taps - pipe.counts.taps);
+        counts.data_words += reads_made - data_words_less;
         counts.lod_stall_lod_fifo += lod_unit.stalled;
         counts.sequencer_stall_tap_fifo += sequencer.stalled;
         pipe.counts = counts;

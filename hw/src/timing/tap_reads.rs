@@ -26,8 +26,10 @@ pub(super) struct TapReads {
 }
 
 impl TapReads {
-    pub(super) fn clear(&mut self) {
+    /// Begins again, with room for the accesses of so many taps.
+    pub(super) fn clear(&mut self, taps: usize) {
         self.accesses.clear();
+        self.accesses.reserve(4 * taps);
         self.taps = 0;
     }
 
@@ -40,7 +42,7 @@ impl TapReads {
         self.taps += 1;
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn hit_in(&mut self, tap: u32, line: u64, slot: u32) {
         let mut earlier = self.accesses.iter().rev().take_while(|access| access.tap == tap);
         if !earlier.any(|access| access.line == line) {
@@ -58,7 +60,11 @@ impl TapReads {
 impl RunObserver for TapReads {
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
-        self.hit_in(run.tap, run.line, slot);
+        if run.alone {
+            self.hit_in(run.tap, run.line, slot);
+        } else {
+            self.accesses.push(Access { line: run.line, slot, tap: run.tap, hit: true });
+        }
     }
 
     #[inline(always)]
