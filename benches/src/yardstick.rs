@@ -178,7 +178,7 @@ pub fn cache_alone(addresses: &[u64]) -> u64 {
     cache.misses
 }
 
-/// What [`whole_path_counted`] counts.
+/// What [`whole_path_with_counters`] counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counted {
     /// Lookups of each level.
@@ -284,7 +284,7 @@ impl CountedLru {
 }
 
 /// Texels and cache, with every counter of the model.
-pub fn whole_path_counted(requests: &[Request], bytes: &[u8], out: &mut [u32]) -> Counted {
+pub fn whole_path_with_counters(requests: &[Request], bytes: &[u8], out: &mut [u32]) -> Counted {
     let bases = level_bases();
     let mut cache = CountedLru::new(bytes.len().div_ceil(64));
     for (request, out) in requests.iter().zip(out) {

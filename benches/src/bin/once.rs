@@ -9,6 +9,7 @@ use texunit_benches::{
 use texunit_hw::{
     Batch, FILTERS, Geometry, Policy, Response, Sampler, Sink, Unit,
     cache::{Cache, Detail, TexelCache},
+    timing::{MemoryParameters, Parameters, Timing},
 };
 
 /// Has taps made, and leaves them.
@@ -20,7 +21,7 @@ impl Sink for Nothing {
     }
 }
 
-const SUBJECTS: &str = "hand-whole hand-sampling hand-bilinear hand-caching hand-cache whole whole-plain sampling scalar-sampling \
+const SUBJECTS: &str = "hand-whole hand-whole-counters hand-sampling hand-bilinear hand-caching hand-cache whole whole-plain timed sampling scalar-sampling \
                         taps-and-texels addresses cache";
 
 /// Everything below this frame is counted.
@@ -47,6 +48,7 @@ fn main() {
     println!("{} requests", requests.len());
     match subject {
         "hand-whole" => counted(|| yardstick::whole_path(requests, bytes, &mut texels)),
+        "hand-whole-counters" => counted(|| yardstick::whole_path_with_counters(requests, bytes, &mut texels)),
         "hand-sampling" => counted(|| yardstick::sampling(requests, bytes, &mut texels)),
         "hand-bilinear" => counted(|| yardstick::bilinear(requests, bytes, &mut texels)),
         "hand-caching" => counted(|| yardstick::caching(requests)),
@@ -54,6 +56,12 @@ fn main() {
         "whole" => {
             let mut cache = texel_cache(detail(true, true));
             counted(|| unit.run(requests, &mut responses, &mut cache));
+        }
+        "timed" => {
+            let memory = MemoryParameters::default();
+            let cache = texel_cache(detail(true, true));
+            let mut timing = Timing::new(&Parameters::default(), &memory, cache, 4, ()).expect("a machine that runs");
+            counted(|| unit.run(requests, &mut responses, &mut timing));
         }
         "whole-plain" => {
             let mut cache = texel_cache(detail(false, false));
