@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use serde_json::{Value, json};
 use texunit_hw::{
     Filter,
+    batch::{Batch, Sink},
     sweep::{Distances, LineTable, ReuseDistances},
-    unit::{Batch, Sink},
 };
 
 use crate::{error::Result, experiment::AddressBench, machine::Machine, names::Named, scene::Scene};

@@ -47,9 +47,11 @@ pub mod peers;
 
 pub mod timing;
 
+pub mod batch;
 pub mod unit;
 
 pub use address::Footprint;
+pub use batch::{Batch, Requests, Sink};
 pub use cache::{Geometry, Policy};
 pub use coordinate::AddressMode;
 pub use datapath::Texel;
@@ -59,4 +61,4 @@ pub use layout::Layout;
 pub use request::{LodSource, Request, Response};
 pub use sampler::{FILTERS, Filter, LevelRounding, Log2, PyramidKind, Rounding, Sampler, SamplerError};
 pub use surface::{Surface, SurfaceError};
-pub use unit::{Batch, Requests, Sink, Unit, UnitError};
+pub use unit::{Unit, UnitError};

@@ -1,13 +1,13 @@
 //! The datapath of grey textures: one channel is filtered, the others are copies of it, and alpha is opaque.
 
 use crate::{
+    batch::Batch,
     coordinate::AddressMode,
     format::Format,
     layout::Layout,
     request::Response,
     sampler::{Filter, Rounding, Sampler},
     surface::Surface,
-    unit::Batch,
 };
 
 /// Whether one channel says everything: L8 that is not made linear, read where nothing is outside (clip fades alpha too).

@@ -29,9 +29,9 @@ use alloc::vec::Vec;
 
 use crate::{
     address::{Footprint, is_outside},
+    batch::{Batch, Sink},
     cache::TexelCache,
     lanes::BankLanes,
-    unit::{Batch, Sink},
 };
 use counters::Spread;
 use misses::Misses;
@@ -291,16 +291,20 @@ impl<O: TimingObserver> Sink for Timing<O> {
             let addresses = taps.iter().flat_map(|tap| &tap.address[..batch.texels_per_tap]);
             is_outside(addresses.fold(0, |all, address| all | address))
         };
-        let lanes = self.bank_lanes.filter(|_| batch.texels_per_tap == 4);
-        let (eights, rest) = if lanes.is_some() { batch.taps.as_chunks() } else { (&[][..], batch.taps) };
-        let mut outside = any_outside(rest);
+        let mut rest = batch.taps;
         self.apart.clear();
-        for (eight, lanes) in eights.iter().zip(lanes.iter().cycle()) {
-            // Addresses of 32 bits are inside.
-            let apart = lanes.apart(eight);
-            outside |= apart.is_none() && any_outside(eight);
-            self.apart.push(apart.unwrap_or(0));
+        let mut outside = false;
+        if let Some(lanes) = self.bank_lanes.filter(|_| batch.texels_per_tap == 4) {
+            let eights;
+            (eights, rest) = batch.taps.as_chunks();
+            for eight in eights {
+                // Addresses of 32 bits are inside.
+                let apart = lanes.apart(eight);
+                outside |= apart.is_none() && any_outside(eight);
+                self.apart.push(apart.unwrap_or(0));
+            }
         }
+        outside |= any_outside(rest);
         if outside || batch.surface.reads_per_texel() > 1 {
             let mut gathered = core::mem::take(&mut self.gathered);
             gathered.clear();

@@ -221,8 +221,23 @@ fn requests(taps: usize) -> impl Strategy<Value = Vec<Vec<TapPlan>>> {
     })
 }
 
-fn footprint(&(at, right, down, plane, outside): &TapPlan) -> Footprint {
-    let corners = [0, right, down, right + down].map(|step| 4 * at + step);
+/// What the addresses of a case's taps are made of: units look at eight taps at a time where all texels are inside, and all addresses
+/// of 32 bits.
+#[derive(Clone, Copy, Debug)]
+enum Addresses {
+    Inside,
+    SomeOutside,
+    /// Every other plane lies beyond 4 GiB, where addresses differ from others in the upper bits only.
+    SomeFar,
+}
+
+fn footprint(&(at, right, down, plane, outside): &TapPlan, addresses: Addresses) -> Footprint {
+    let (outside, base) = match addresses {
+        Addresses::Inside => (0, 0),
+        Addresses::SomeOutside => (outside, 0),
+        Addresses::SomeFar => (0, u64::from(plane % 2) << 32),
+    };
+    let corners = [0, right, down, right + down].map(|step| base + 4 * at + step);
     let address = [0, 1, 2, 3].map(|i| if outside >> i & 1 == 1 { 1 << 62 } else { corners[i] });
     Footprint { address, plane, ..Footprint::default() }
 }
@@ -238,13 +253,14 @@ proptest! {
         batch in 1_usize..40,
         as_ends in any::<bool>(),
         texels in prop::sample::select(vec![4, 4, 4, 1]),
+        addresses in prop::sample::select(vec![Addresses::Inside, Addresses::Inside, Addresses::SomeOutside, Addresses::SomeFar]),
     ) {
         prop_assume!(geometry.line >= 4);
         let surface = Surface::new(PyramidKind::Mipmap, Layout::RowMajor, Format::Rgba8, 4, 4).unwrap();
         let mut one_by_one = TexelCache::new(geometry, policy, 4, detail).unwrap();
         let mut batched = one_by_one.clone();
         for requests in requests.chunks(batch) {
-            let taps: Vec<Footprint> = requests.iter().flatten().map(footprint).collect();
+            let taps: Vec<Footprint> = requests.iter().flatten().map(|plan| footprint(plan, addresses)).collect();
             for tap in &taps {
                 for &address in tap.address[..texels].iter().filter(|address| **address < 1 << 62) {
                     one_by_one.read(tap.plane.into(), address);
@@ -261,7 +277,6 @@ proptest! {
         expected.resize(3, Default::default());
         prop_assert_eq!(found, expected);
     }
-
 
     #[test]
     fn every_policy_and_shape_agrees_with_the_textbook_on_every_lookup((geometry, policy, addresses) in cases()) {

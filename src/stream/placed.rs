@@ -2,7 +2,7 @@
 
 use texunit_hw::{
     Footprint,
-    unit::{Batch, Sink},
+    batch::{Batch, Sink},
 };
 
 /// Shows `inner` the taps of a texture as they are where it lies.

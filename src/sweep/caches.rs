@@ -2,9 +2,9 @@
 
 use texunit_hw::{
     Geometry, Policy,
+    batch::{Batch, Sink},
     cache::{Cache, GeometryError},
     sweep::{FifoSweep, Grid, LOG2_SETS_MAX, LruSweep, WAYS_MAX},
-    unit::{Batch, Sink},
 };
 
 /// Addresses simulated at a time: few enough to stay in the second-level cache of the host.

@@ -4,8 +4,8 @@ use std::{io::Write, path::Path};
 
 use texunit_hw::{
     Request, Response, Sampler, Unit,
+    batch::{Batch, Requests, Sink},
     cache::Cache,
-    unit::{Batch, Requests, Sink},
 };
 
 use super::{Profile, Record, memory_image};

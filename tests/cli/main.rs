@@ -1,9 +1,12 @@
-//! The commands run, sample, verify and explain as a user meets them: files, columns, exit status, and what is said when
-//! something is wrong.
+//! The commands run, sample, mips, scenes, trace, verify and explain as a user meets them: files, columns, exit status, and what is
+//! said when something is wrong.
 
 mod machine;
+mod mips;
 mod run;
 mod sample;
+mod scenes;
+mod trace;
 mod verify;
 
 use std::{

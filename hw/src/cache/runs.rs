@@ -8,8 +8,8 @@ use alloc::vec::Vec;
 use super::{Cache, Engine, Geometry, Outcome, PlaneCounters, Policy};
 use crate::{
     address::{Footprint, is_outside},
+    batch::Batch,
     lanes::{EightRuns, RunLanes, RunShape},
-    unit::Batch,
 };
 
 /// Texels of a tap that lie in one line. The first decides; the others hit.

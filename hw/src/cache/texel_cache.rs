@@ -4,7 +4,7 @@ use alloc::{vec, vec::Vec};
 
 use crate::{
     address::Footprint,
-    unit::{Batch, Sink},
+    batch::{Batch, Sink},
 };
 
 use super::{

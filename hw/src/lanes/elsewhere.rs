@@ -52,21 +52,6 @@ impl<'m> Lanes<'m> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RunLanes(core::convert::Infallible);
 
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RunShape {
-    pub(crate) line_shift: u32,
-    pub(crate) texel_shift: u32,
-    pub(crate) set_mask: Option<u32>,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct EightRuns {
-    pub(crate) line: [[u32; 8]; 2],
-    pub(crate) texels: [[u32; 8]; 2],
-    pub(crate) pairs: u32,
-    pub(crate) others: u32,
-}
-
 impl RunLanes {
     pub(crate) fn detect() -> Option<Self> {
         None

@@ -3,6 +3,8 @@
 //! The scalar units say what is right; these say the same faster, and a test compares every filter, address mode and layout bit for bit.
 //! Whatever is not the common case stays with them, as does the end of a run that fills no eight lanes.
 
+mod eight_runs;
+
 #[cfg(target_arch = "x86_64")]
 mod address;
 #[cfg(target_arch = "x86_64")]
@@ -27,15 +29,11 @@ mod unit;
 #[cfg(not(target_arch = "x86_64"))]
 mod elsewhere;
 #[cfg(not(target_arch = "x86_64"))]
-use elsewhere as unit;
-
-#[cfg(not(target_arch = "x86_64"))]
-use elsewhere as banks;
-#[cfg(not(target_arch = "x86_64"))]
-use elsewhere as runs;
+use elsewhere::{self as banks, self as runs, self as unit};
 
 pub(crate) use banks::BankLanes;
-pub(crate) use runs::{EightRuns, RunLanes, RunShape};
+pub(crate) use eight_runs::{EightRuns, RunShape};
+pub(crate) use runs::RunLanes;
 pub(crate) use unit::Lanes;
 
 /// Requests, or taps, at a time.

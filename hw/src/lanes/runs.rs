@@ -2,31 +2,8 @@
 
 use core::arch::x86_64::*;
 
-use super::{LANES, footprints::low_words, room::Avx2};
+use super::{EightRuns, LANES, RunShape, footprints::low_words, room::Avx2};
 use crate::address::Footprint;
-
-/// How lines and texels follow from addresses.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RunShape {
-    /// Bits of an address within a line, and within a texel.
-    pub(crate) line_shift: u32,
-    pub(crate) texel_shift: u32,
-    /// Of a line's number, its set; `None` where a line just used is not the next victim in any case.
-    pub(crate) set_mask: Option<u32>,
-}
-
-/// The runs of eight taps.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct EightRuns {
-    /// Line of the first run of each tap, and of the second.
-    pub(crate) line: [[u32; LANES]; 2],
-    /// Texels of these lines, a bit each.
-    pub(crate) texels: [[u32; LANES]; 2],
-    /// Taps with a second run, a bit each.
-    pub(crate) pairs: u32,
-    /// Taps whose four texels make other runs than these, a bit each.
-    pub(crate) others: u32,
-}
 
 /// Divides taps, on machines that can.
 #[derive(Clone, Copy, Debug)]

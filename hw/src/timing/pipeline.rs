@@ -119,8 +119,7 @@ impl Pipeline {
     ) {
         let mut pipe = core::mem::take(self);
         let Beside { parameters: p, line_write, line_shift, misses, planes, histograms, observer } = beside;
-        let [lod_latency, address_latency, tag_latency, data_latency, filter_latency] =
-            [p.lod_latency, p.address_latency, p.tag_latency, p.data_latency, p.filter_latency].map(u64::from);
+        let [lod_latency, address_latency, tag_latency, data_latency, filter_latency] = latencies(p);
         let (mut number, mut accesses) = (0, reads.accesses().iter().peekable());
         for count in taps_of_requests {
             if count == 0 {
@@ -258,6 +257,11 @@ impl Pipeline {
         }
         *self = pipe;
     }
+}
+
+/// Clocks of the LOD, address, tag and data units and of the datapath.
+pub(super) fn latencies(p: &Parameters) -> [u64; 5] {
+    [p.lod_latency, p.address_latency, p.tag_latency, p.data_latency, p.filter_latency].map(u64::from)
 }
 
 impl Histograms {

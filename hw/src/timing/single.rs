@@ -7,21 +7,21 @@ use super::{
     counters::PlaneTiming,
     events::{FillTimes, RequestTimes, TapTimes, TimingObserver},
     parameters::{Mode, Parameters},
-    pipeline::{Beside, Pipeline, Taps, planes_among},
-    queue::{Ledger, Width},
+    pipeline::{Beside, Pipeline, Taps, latencies, planes_among},
+    queue::Ledger,
     tap_reads::TapReads,
 };
 
-/// A unit: the first clock it is free in.
+/// A unit that takes one item a clock: the first clock it is free in.
 #[derive(Clone, Copy)]
-struct Unit {
+struct Stage {
     next: u64,
     idle: u64,
     stalled: u64,
     began: u64,
 }
 
-impl Unit {
+impl Stage {
     fn new(ledger: Ledger) -> Self {
         Self { next: ledger.next(), idle: 0, stalled: 0, began: ledger.next() }
     }
@@ -76,16 +76,14 @@ impl Pipeline {
     ) {
         let mut pipe = core::mem::take(self);
         let Beside { parameters: p, line_write, line_shift, misses, planes, histograms, observer } = beside;
-        let [lod_latency, address_latency, tag_latency, data_latency, filter_latency] =
-            [p.lod_latency, p.address_latency, p.tag_latency, p.data_latency, p.filter_latency].map(u64::from);
+        let [lod_latency, address_latency, tag_latency, data_latency, filter_latency] = latencies(p);
         let mut entry_unit = pipe.entry.next();
         let mut result_unit = pipe.result.next();
-        let mut lod_unit = Unit::new(pipe.ledgers.lod);
-        let mut sequencer = Unit::new(pipe.ledgers.sequencer);
-        let mut tag_unit = Unit::new(pipe.ledgers.tag);
-        let mut data_unit = Unit::new(pipe.ledgers.data);
+        let mut lod_unit = Stage::new(pipe.ledgers.lod);
+        let mut sequencer = Stage::new(pipe.ledgers.sequencer);
+        let mut tag_unit = Stage::new(pipe.ledgers.tag);
+        let mut data_unit = Stage::new(pipe.ledgers.data);
         let mut counts = pipe.counts;
-        let (mut reads_made, mut data_words_less) = (0, 0);
         let (mut tap, mut accesses) = (0, reads.accesses());
         // Most requests are of the same shape as the one before.
         let (mut shape, mut of_shape) = ((0, 0), 0);
@@ -186,19 +184,20 @@ impl Pipeline {
                     row.stall_wait_read += waited;
                     data_done += writes;
                 }
+                let mut words = addresses.len() as u64;
                 if !taps.apart(tap) {
-                    let (done, words) = pipe.data_banks.read(addresses, data_done);
+                    let done;
+                    (done, words) = pipe.data_banks.read(addresses, data_done);
                     counts.data_conflict_clocks += done - data_done;
-                    data_words_less += addresses.len() as u64 - words;
                     data_done = done;
                 }
+                counts.data_words += words;
                 data_unit.next = data_done + 1;
                 pipe.fragment_fifo.pass(tag, data + 1);
 
                 datapath = data_done + data_latency;
                 row.taps += 1;
                 row.reads += addresses.len() as u64;
-                reads_made += addresses.len() as u64;
                 row.fetches_ok += (made - missed) as u64;
                 observer.tap(TapTimes {
                     tap: counts.taps,
@@ -235,14 +234,12 @@ impl Pipeline {
         histograms.add(shape, of_shape);
 
         let (new_requests, new_taps) = (counts.requests - pipe.counts.requests, counts.taps - pipe.counts.taps);
-        counts.data_words += reads_made - data_words_less;
         counts.lod_stall_lod_fifo += lod_unit.stalled;
         counts.sequencer_stall_tap_fifo += sequencer.stalled;
         pipe.counts = counts;
-        let close = |width: &mut Width, next, items| width.add(next, items);
-        close(&mut pipe.entry, entry_unit, new_requests);
-        close(&mut pipe.result, result_unit, new_requests);
-        close(&mut pipe.data, data_unit.next, new_taps);
+        pipe.entry.add(entry_unit, new_requests);
+        pipe.result.add(result_unit, new_requests);
+        pipe.data.add(data_unit.next, new_taps);
         lod_unit.close(&mut pipe.ledgers.lod);
         sequencer.close(&mut pipe.ledgers.sequencer);
         tag_unit.close(&mut pipe.ledgers.tag);

@@ -106,10 +106,12 @@ fn machine(draw: &mut Draw<'_>) -> Machine {
     }
 }
 
-/// Taps that wander: mostly near the last, sometimes far; sometimes with texels outside, sometimes with one texel.
+/// Taps that wander: mostly near the last, sometimes far. Half of the streams have texels outside, and taps of one texel; the model
+/// takes the others without a copy of their addresses.
 fn stream(draw: &mut Draw<'_>, requests: u32) -> Vec<Vec<Tap>> {
     let span = draw.from(&[64, 512, 4096]);
     let most_taps = 1 + draw.below(4);
+    let reads_of_taps: &[usize] = draw.from(&[&[4], &[4, 4, 4, 4, 1, 2, 0]]);
     let mut at = 0;
     (0..requests)
         .map(|_| {
@@ -121,7 +123,7 @@ fn stream(draw: &mut Draw<'_>, requests: u32) -> Vec<Vec<Tap>> {
                         _ => at + 4 * u64::from(draw.below(6)),
                     };
                     let row = 4 * u64::from(draw.from(&[1u32, 4, 16, 64]));
-                    let reads = draw.from(&[4, 4, 4, 4, 1, 2, 0]);
+                    let reads = draw.from(reads_of_taps);
                     let addresses = [at, at + 4, at + row, at + row + 4];
                     Tap { plane: draw.below(3) as usize, addresses: addresses[..reads].to_vec() }
                 })

@@ -10,9 +10,11 @@ use core::{arch::x86_64::*, mem::offset_of};
 use alloc::vec::Vec;
 
 use super::{
-    LANES, banks, footprints,
+    LANES, banks,
+    eight_runs::{EightRuns, RunShape},
+    footprints,
     kernel::Kernel,
-    runs::{self, EightRuns, RunShape},
+    runs,
 };
 use crate::{
     address::Footprint,

@@ -1,16 +1,10 @@
 //! `texunit mips`, `kernels` and `drift` as a user meets them.
 
-use std::{
-    fs,
-    path::Path,
-    process::{Command, Output},
-};
+use std::fs;
 
 use serde_json::Value;
 
-fn texunit(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_texunit")).current_dir(folder).args(arguments).output().unwrap()
-}
+use super::{refused, texunit};
 
 /// A folder with a 6 x 3 texture in it, binary PNM: no compression, so a test can write it by hand.
 fn folder() -> tempfile::TempDir {
@@ -18,15 +12,6 @@ fn folder() -> tempfile::TempDir {
     let texels: Vec<u8> = (0..6 * 3 * 3).map(|index| (index * 37 % 256) as u8).collect();
     fs::write(folder.path().join("texture.ppm"), [b"P6\n6 3\n255\n".as_slice(), &texels].concat()).unwrap();
     folder
-}
-
-fn refused(output: &Output, words: &[&str]) {
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(output.stdout.is_empty(), "nothing on standard output");
-    for word in words {
-        assert!(message.contains(word), "`{word}` is not in: {message}");
-    }
 }
 
 #[test]

@@ -1,10 +1,8 @@
 //! `texunit trace` as a user meets it.
 
-use std::{
-    fs,
-    path::Path,
-    process::{Command, Output},
-};
+use std::fs;
+
+use super::{good, refused, texunit};
 
 /// Small enough that every test takes a moment.
 const SCENE: &str = r#"
@@ -23,29 +21,10 @@ size = [128, 64]
 wrap = ["wrap", "clip"]
 "#;
 
-fn texunit(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_texunit")).current_dir(folder).args(arguments).output().unwrap()
-}
-
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("small.toml"), SCENE).unwrap();
     folder
-}
-
-#[track_caller]
-fn good(output: &Output) -> String {
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-#[track_caller]
-fn refused(output: &Output, parts: &[&str]) {
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    for part in parts {
-        assert!(message.contains(part), "no `{part}` in: {message}");
-    }
 }
 
 #[test]

@@ -1,0 +1,97 @@
+//! What is between the address unit and the datapath: a batch of taps, and whoever looks at them.
+
+use crate::{
+    address::{Footprint, is_outside},
+    surface::Surface,
+};
+
+/// The taps of a batch of requests, in order of issue.
+#[derive(Clone, Copy, Debug)]
+pub struct Batch<'b> {
+    /// All taps, request by request.
+    pub taps: &'b [Footprint],
+    /// How they divide into requests.
+    pub requests: Requests<'b>,
+    /// Texels of one tap, 1 or 4: how many addresses of a [`Footprint`] count.
+    pub texels_per_tap: usize,
+    /// What the addresses are addresses of.
+    pub surface: &'b Surface,
+}
+
+/// How the taps of a batch divide into requests.
+#[derive(Clone, Copy, Debug)]
+pub enum Requests<'b> {
+    /// Each has this many.
+    Each(usize),
+    /// Each ends where this says, in taps from the start of the batch.
+    Ends(&'b [u32]),
+}
+
+impl<'b> Batch<'b> {
+    /// Requests in it.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        match self.requests {
+            Requests::Each(taps) => self.taps.len() / taps,
+            Requests::Ends(ends) => ends.len(),
+        }
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The taps of each request.
+    pub fn per_request(&self) -> impl Iterator<Item = &'b [Footprint]> + use<'b> {
+        let (taps, requests) = (self.taps, self.requests);
+        let mut begin = 0;
+        (0..self.len()).map(move |number| {
+            let end = match requests {
+                Requests::Each(taps) => begin + taps,
+                Requests::Ends(ends) => ends[number] as usize,
+            };
+            let of_request = &taps[begin..end];
+            begin = end;
+            of_request
+        })
+    }
+}
+
+impl Batch<'_> {
+    /// Calls `read` for each read of memory, in order of issue, with the storage index of the plane: once a texel, or once a
+    /// channel where the layout keeps channels apart; not at all for a texel outside the texture.
+    #[inline]
+    pub fn for_each_read(&self, mut read: impl FnMut(usize, u64)) {
+        let channels_apart = self.surface.reads_per_texel() > 1;
+        for tap in self.taps {
+            let plane = usize::from(tap.plane);
+            for &address in tap.address[..self.texels_per_tap].iter().filter(|&&address| !is_outside(address)) {
+                read(plane, address);
+                if channels_apart {
+                    for distance in self.surface.planes[plane].channels {
+                        read(plane, address + distance);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Whoever looks at the address stream between the address unit and the datapath.
+pub trait Sink {
+    /// Whether it looks at all: where it does not, a unit need not have its taps in memory at any time.
+    const LOOKS: bool = true;
+
+    /// Takes the next batch.
+    fn take(&mut self, batch: Batch<'_>);
+}
+
+/// Nobody looks.
+impl Sink for () {
+    const LOOKS: bool = false;
+
+    #[inline]
+    fn take(&mut self, _batch: Batch<'_>) {}
+}
