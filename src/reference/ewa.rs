@@ -129,6 +129,7 @@ impl<'a> Ewa<'a> {
             let count = (last[axis] - first[axis]) as u64 + 1;
             (0..count).map(move |step| first[axis] + step as f64)
         };
+        let rim = libm::exp(-ALPHA);
         let (mut total, mut weights, mut texels_read) = ([0.0; 4], 0.0, 0);
         for j in indices(1) {
             let dy = j - centre[1];
@@ -139,7 +140,7 @@ impl<'a> Ewa<'a> {
                 if squared >= 1.0 {
                     continue;
                 }
-                let weight = libm::exp(-ALPHA * squared) - libm::exp(-ALPHA);
+                let weight = libm::exp(-ALPHA * squared) - rim;
                 let column = anywhere(i, plane.size[0], self.address[0]);
                 texels_read += u64::from(row.is_some() && column.is_some());
                 weights += weight;

@@ -82,7 +82,7 @@ impl<'a> Sat<'a> {
             let (first, width) = boxes[axis];
             self.shares((0..width as u32).map(|step| (first + f64::from(step), 1)), axis)
         });
-        let sums = self.sums(&columns, &rows, |total, times: u64| times * u64::from(total));
+        let sums = self.sums(&columns, &rows, |total, times: u64| times * total);
         let area = (boxes[0].1 * boxes[1].1) as u64;
         Response { texel: sums.map(|sum| ((2 * sum + area) / (2 * area)) as u8), lod: [0; 2] }
     }
@@ -105,34 +105,47 @@ impl<'a> Sat<'a> {
             let indices = (0..=texels).map(move |step| floor(from) + f64::from(step));
             self.shares(indices.map(|texel| (texel, overlap(texel) / width)), axis)
         });
-        self.sums(&columns, &rows, |total, share: f64| share * f64::from(total))
+        self.sums(&columns, &rows, |total, share: f64| share * total as f64)
     }
 
-    /// How much of the box falls on each texel of an axis, by index; what falls outside is on none.
-    fn shares<T: Number>(&self, indices: impl Iterator<Item = (f64, T)>, axis: usize) -> Vec<T> {
-        let mut shares = vec![T::default(); self.plane.size[axis] as usize];
-        for (index, share) in indices {
-            if let Some(texel) = anywhere(index, self.plane.size[axis], self.address[axis]) {
-                shares[texel] += share;
+    /// How much of the box falls on the texels of an axis: runs of texels by equal share, where they begin and end. What falls
+    /// outside is on none.
+    fn shares<T: Number>(&self, indices: impl Iterator<Item = (f64, T)>, axis: usize) -> Vec<(usize, usize, T)> {
+        let texel = |index| anywhere(index, self.plane.size[axis], self.address[axis]);
+        let mut shares: Vec<_> = indices.filter_map(|(index, share)| Some((texel(index)?, share))).collect();
+        // Stable, so that shares of one texel are added in the order they came in.
+        shares.sort_by_key(|(texel, _)| *texel);
+        let mut runs: Vec<(usize, usize, T)> = Vec::new();
+        for of_texel in shares.chunk_by(|a, b| a.0 == b.0) {
+            let (texel, mut share) = of_texel[0];
+            of_texel[1..].iter().for_each(|(_, more)| share += *more);
+            match runs.last_mut() {
+                Some((_, end, same)) if *end == texel && *same == share => *end += 1,
+                _ => runs.push((texel, texel + 1, share)),
             }
         }
-        shares
+        runs
     }
 
-    /// Each row's texels by the shares of their columns, a run of equal shares at a time, by the share of the row.
-    fn sums<T: Number>(&self, columns: &[T], rows: &[T], product: impl Fn(u32, T) -> T) -> [T; 4] {
-        let mut begin = 0;
-        let runs = columns.chunk_by(|a, b| a == b).map(|run| {
-            begin += run.len();
-            (begin - run.len()..begin, run[0])
-        });
-        let runs: Vec<_> = runs.filter(|(_, share)| *share != T::default()).collect();
+    /// Texels by the shares of their columns and rows: those of equal share are added up first, row by row.
+    fn sums<T: Number>(
+        &self,
+        columns: &[(usize, usize, T)],
+        rows: &[(usize, usize, T)],
+        product: impl Fn(u64, T) -> T,
+    ) -> [T; 4] {
         let mut sums = [T::default(); 4];
-        let totals = self.totals.chunks_exact(columns.len() + 1);
-        for (totals, &down) in totals.zip(rows).filter(|(_, share)| **share != T::default()) {
-            for (run, across) in &runs {
-                for (channel, sum) in sums.iter_mut().enumerate() {
-                    *sum += product(totals[run.end][channel] - totals[run.start][channel], *across * down);
+        let stride = self.plane.size[0] as usize + 1;
+        for &(top, bottom, down) in rows {
+            for &(begin, end, across) in columns {
+                let mut equal = [0; 4];
+                for totals in self.totals[top * stride..bottom * stride].chunks_exact(stride) {
+                    for (channel, equal) in equal.iter_mut().enumerate() {
+                        *equal += u64::from(totals[end][channel] - totals[begin][channel]);
+                    }
+                }
+                for (sum, equal) in sums.iter_mut().zip(equal) {
+                    *sum += product(equal, across * down);
                 }
             }
         }

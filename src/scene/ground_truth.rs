@@ -5,7 +5,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 use texunit_hw::AddressMode;
 
-use super::{Fragment, Gradient, GradientMethod, Norm, Scene, noise::unit_hash, order::Span};
+use super::{
+    Fragment, Gradient, GradientMethod, Norm, Plane, Quadric, Scene, Surface, noise::SeededHash, order::Span,
+    whole::whole,
+};
 
 /// The most sub-samples along one axis of a pixel.
 pub const MOST_SAMPLES: u32 = 32;
@@ -45,7 +48,17 @@ impl GroundTruth {
     #[must_use]
     pub fn render(scene: &Scene, texture: &RgbaImage) -> Self {
         let surface = scene.surface();
-        let (uv_at, texel) = (|x, y| surface.uv_at(x, y), |x, y| texture.get_pixel(x, y).0);
+        match &surface {
+            Surface::Plane(plane) => Self::of_shape(scene, texture, &surface, plane),
+            Surface::Quadric(quadric) => Self::of_shape(scene, texture, &surface, quadric),
+        }
+    }
+
+    /// The same for one shape: what is under a sub-sample is asked for every one.
+    fn of_shape(scene: &Scene, texture: &RgbaImage, surface: &Surface, shape: &(impl Shape + Sync)) -> Self {
+        let (rows, _) = texture.as_raw().as_chunks::<4>();
+        let texel = |x: u32, y: u32| rows[y as usize * texture.width() as usize + x as usize];
+        let places = Places::new(scene.ground_truth.jitter);
         let mut texels = vec![[0.0; 4]; scene.size[0] as usize * scene.size[1] as usize];
         texels.par_chunks_exact_mut(scene.size[0] as usize).zip(0..scene.size[1]).for_each_init(
             Vec::new,
@@ -55,8 +68,9 @@ impl GroundTruth {
                 surface.span(span, GradientMethod::Analytic, fragments, &mut super::Coverage::default());
                 for fragment in fragments {
                     row[usize::from(fragment.x)] = average(
-                        scene.ground_truth,
-                        uv_at,
+                        scene.ground_truth.samples,
+                        &places,
+                        shape,
                         texel,
                         texture.dimensions().into(),
                         scene.texture.wrap,
@@ -89,17 +103,73 @@ impl GroundTruth {
 #[must_use]
 pub fn footprint_average(
     supersampling: Supersampling,
-    texel: impl Fn(u32, u32) -> [u8; 4],
+    texel: impl Fn(u32, u32) -> [u8; 4] + Copy,
     size: [u32; 2],
     wrap: [AddressMode; 2],
     fragment: &Fragment,
 ) -> [f32; 4] {
-    let Gradient { ux, uy, vx, vy } = fragment.gradient;
-    let uv_at = |x: f64, y: f64| {
-        let (right, below) = (x - f64::from(fragment.x) - 0.5, y - f64::from(fragment.y) - 0.5);
-        Some((fragment.u + ux * right + uy * below, fragment.v + vx * right + vy * below))
-    };
-    average(supersampling, uv_at, texel, size, wrap, fragment)
+    average(supersampling.samples, &Places::new(supersampling.jitter), fragment, texel, size, wrap, fragment)
+}
+
+/// What lies under points of the screen.
+trait Shape {
+    /// Normalised (u, v), `None` where the shape is not.
+    fn uv_at(&self, x: f64, y: f64) -> Option<(f64, f64)>;
+}
+
+impl Shape for Plane {
+    #[inline(always)]
+    fn uv_at(&self, x: f64, y: f64) -> Option<(f64, f64)> {
+        self.uv_at(x, y)
+    }
+}
+
+impl Shape for Quadric {
+    #[inline(always)]
+    fn uv_at(&self, x: f64, y: f64) -> Option<(f64, f64)> {
+        self.uv_at(x, y)
+    }
+}
+
+/// The plane that touches an unknown surface in a fragment.
+impl Shape for Fragment {
+    #[inline(always)]
+    fn uv_at(&self, x: f64, y: f64) -> Option<(f64, f64)> {
+        let Gradient { ux, uy, vx, vy } = self.gradient;
+        let (right, below) = (x - f64::from(self.x) - 0.5, y - f64::from(self.y) - 0.5);
+        Some((self.u + ux * right + uy * below, self.v + vx * right + vy * below))
+    }
+}
+
+/// Sub-samples looked at side by side: plain loops over so many, which the compiler turns into vectors.
+const LANES: usize = 8;
+
+/// Where sub-samples lie in their cells of a pixel's grid.
+struct Places {
+    /// By number of a sub-sample, the hashes that place it along x and along y; none at the centres.
+    jitter: Option<Vec<[SeededHash; 2]>>,
+}
+
+impl Places {
+    fn new(jitter: bool) -> Self {
+        let numbers = 0..(MOST_SAMPLES * MOST_SAMPLES).next_multiple_of(LANES as u32);
+        let hashes = |number| [0, 1].map(|axis| SeededHash::new(number, axis));
+        Self { jitter: jitter.then(|| numbers.map(hashes).collect()) }
+    }
+
+    /// Of the sub-samples from the one numbered `first`, within the cell.
+    #[inline(always)]
+    fn within(&self, pixel: u32, first: u32) -> [[f64; LANES]; 2] {
+        let mut within = [[0.5; LANES]; 2];
+        if let Some(hashes) = &self.jitter {
+            let hashes = &hashes[first as usize..][..LANES];
+            for (lane, [x, y]) in hashes.iter().enumerate() {
+                within[0][lane] = x.unit(pixel);
+                within[1][lane] = y.unit(pixel);
+            }
+        }
+        within
+    }
 }
 
 /// Sub-samples along an axis for a footprint of `sigma1` texels: one per texel, within the limits.
@@ -110,75 +180,99 @@ fn samples_for(squared_sigma1: f32, least: u32) -> u32 {
 
 #[allow(clippy::cast_possible_truncation, reason = "stored as f32: 24 bits for an average of 8-bit values")]
 fn average(
-    supersampling: Supersampling,
-    uv_at: impl Fn(f64, f64) -> Option<(f64, f64)>,
-    texel: impl Fn(u32, u32) -> [u8; 4],
+    least: u32,
+    places: &Places,
+    shape: &impl Shape,
+    texel: impl Fn(u32, u32) -> [u8; 4] + Copy,
     size: [u32; 2],
     wrap: [AddressMode; 2],
     fragment: &Fragment,
 ) -> [f32; 4] {
     let footprint = Norm::Sigma1.squared_ratio(fragment.gradient.in_texels(size));
-    let samples = samples_for(footprint, supersampling.samples);
+    let samples = samples_for(footprint, least);
     let (left, top) = (f64::from(fragment.x), f64::from(fragment.y));
-    let (mut sum, mut count) = ([0_u32; 4], 0_u32);
-    let add = |sum: &mut [u32; 4], (u, v): (f64, f64)| {
-        // Outside, when clipped, is transparent black: it counts and adds nothing.
-        let (Some(x), Some(y)) = (texel_under(wrap[0], u, size[0]), texel_under(wrap[1], v, size[1])) else { return };
-        for (sum, channel) in sum.iter_mut().zip(texel(x, y)) {
-            *sum += u32::from(channel);
-        }
-    };
     let cell = f64::from(samples).recip();
     let pixel = u32::from(fragment.x) | u32::from(fragment.y) << 16;
-    for (row, column) in (0..samples).flat_map(|row| (0..samples).map(move |column| (row, column))) {
-        let number = row * samples + column;
-        let (within_x, within_y) =
-            if supersampling.jitter { (unit_hash(pixel, number, 0), unit_hash(pixel, number, 1)) } else { (0.5, 0.5) };
-        let x = left + (f64::from(column) + within_x) * cell;
-        let y = top + (f64::from(row) + within_y) * cell;
-        if let Some(uv) = uv_at(x, y) {
-            add(&mut sum, uv);
-            count += 1;
+    let (mut sum, mut count) = ([0_u32; 4], 0);
+    let (mut column, mut row) = (0, 0);
+    for first in (0..samples * samples).step_by(LANES) {
+        let [mut x, mut y] = places.within(pixel, first);
+        let mut there = [false; LANES];
+        for lane in 0..LANES {
+            x[lane] = left + (f64::from(column) + x[lane]) * cell;
+            y[lane] = top + (f64::from(row) + y[lane]) * cell;
+            there[lane] = row < samples;
+            column += 1;
+            if column == samples {
+                (column, row) = (0, row + 1);
+            }
         }
+        let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            let (seen, uv) = shape.uv_at(x[lane], y[lane]).map_or((false, (0.0, 0.0)), |uv| (true, uv));
+            (u[lane], v[lane]) = uv;
+            there[lane] &= seen;
+        }
+        count += there.iter().map(|&there| u32::from(there)).sum::<u32>();
+        add(&mut sum, there, [u, v], texel, size, wrap);
     }
     // A sliver between the grid points covers the centre alone: the centre then stands for the pixel.
     if count == 0 {
-        add(&mut sum, (fragment.u, fragment.v));
+        let mut there = [false; LANES];
+        there[0] = true;
+        add(&mut sum, there, [[fragment.u; LANES], [fragment.v; LANES]], texel, size, wrap);
         count = 1;
     }
     sum.map(|channel| (f64::from(channel) / f64::from(count)) as f32)
 }
 
-/// The texel of an axis of `texels` under a normalised coordinate, not quantised; `None` outside, when clipped. Infinity and NaN
-/// are outside too: there is no truth for them.
-#[inline]
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "reduced to 0..texels before the cast")]
-fn texel_under(wrap: AddressMode, coordinate: f64, texels: u32) -> Option<u32> {
-    if !coordinate.is_finite() {
-        return None;
+/// Adds the texels under the sub-samples that are there. Outside, when clipped, is transparent black: it adds nothing.
+#[inline(always)]
+fn add(
+    sum: &mut [u32; 4],
+    there: [bool; LANES],
+    uv: [[f64; LANES]; 2],
+    texel: impl Fn(u32, u32) -> [u8; 4],
+    size: [u32; 2],
+    wrap: [AddressMode; 2],
+) {
+    let (x, x_inside) = texels_under(wrap[0], uv[0], size[0]);
+    let (y, y_inside) = texels_under(wrap[1], uv[1], size[1]);
+    // Channels 0 and 2, and 1 and 3: eight bytes added fit into 16 bits.
+    const EVEN: u32 = 0x00FF_00FF;
+    let (mut even, mut odd) = (0, 0);
+    for lane in 0..LANES {
+        let counts = there[lane] & x_inside[lane] & y_inside[lane];
+        let bits = u32::from_le_bytes(texel(x[lane], y[lane])) & if counts { u32::MAX } else { 0 };
+        even += bits & EVEN;
+        odd += bits >> 8 & EVEN;
     }
-    let size = f64::from(texels);
-    let last = texels - 1;
-    match wrap {
-        AddressMode::Wrap => Some((((coordinate - whole(coordinate)) * size) as u32).min(last)),
-        AddressMode::Clamp => Some(((coordinate * size).max(0.0) as u32).min(last)),
-        AddressMode::Clip => (0.0..1.0).contains(&coordinate).then(|| ((coordinate * size) as u32).min(last)),
-        AddressMode::Mirror => {
-            let turn = coordinate - 2.0 * whole(coordinate / 2.0);
-            let index = ((turn * size) as u32).min(2 * texels - 1);
-            Some(if index < texels { index } else { 2 * texels - 1 - index })
-        }
+    for (sum, channel) in sum.iter_mut().zip([even & 0xFFFF, odd & 0xFFFF, even >> 16, odd >> 16]) {
+        *sum += channel;
     }
 }
 
-/// The largest whole number not above a finite one. What `f64::floor` says, without the call it is where the processor's own
-/// rounding cannot be assumed: this is asked for every sub-sample.
-#[inline]
-#[allow(clippy::cast_possible_truncation, reason = "beyond 2^52 every number is whole")]
-fn whole(number: f64) -> f64 {
-    if number.abs() >= 4_503_599_627_370_496.0 {
-        return number;
+/// The texels of an axis of `texels` under normalised coordinates, not quantised, and whether they are inside: all are but clipped
+/// ones. Infinity and NaN are outside too: there is no truth for them.
+#[inline(always)]
+fn texels_under(wrap: AddressMode, coordinates: [f64; LANES], texels: u32) -> ([u32; LANES], [bool; LANES]) {
+    let size = f64::from(texels);
+    // A cast to i32 is one instruction for several lanes, one to u32 is not; both saturate far above any index.
+    let texel = |position: f64, last: u32| (position as i32 as u32).min(last);
+    let (mut indices, mut inside) = ([0; LANES], [false; LANES]);
+    let lanes = indices.iter_mut().zip(coordinates);
+    match wrap {
+        AddressMode::Wrap => lanes.for_each(|(index, c)| *index = texel((c - whole(c)) * size, texels - 1)),
+        AddressMode::Clamp | AddressMode::Clip => {
+            lanes.for_each(|(index, c)| *index = texel((c * size).max(0.0), texels - 1));
+        }
+        AddressMode::Mirror => lanes.for_each(|(index, c)| {
+            let turn = texel((c - 2.0 * whole(c / 2.0)) * size, 2 * texels - 1);
+            *index = if turn < texels { turn } else { 2 * texels - 1 - turn };
+        }),
     }
-    let towards_zero = number as i64 as f64;
-    if towards_zero > number { towards_zero - 1.0 } else { towards_zero }
+    for (inside, c) in inside.iter_mut().zip(coordinates) {
+        *inside = if wrap == AddressMode::Clip { (0.0..1.0).contains(&c) } else { c.is_finite() };
+    }
+    (indices, inside)
 }

@@ -19,6 +19,7 @@ mod pose;
 mod raster;
 mod rectangle;
 mod texture;
+mod whole;
 
 use serde::Serialize;
 

@@ -1,12 +1,15 @@
 //! A natural-looking texture: a mandrill-like face in fur. The papers' baboon is hard to filter because it has detail at all
 //! scales, hairs in all directions and strong colours; so has this. It repeats without a seam in its noise.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use image::{Rgb, RgbImage, RgbaImage, buffer::ConvertBuffer};
 use rayon::prelude::*;
 
 use super::{
     noise::{hash, octaves, unit_hash},
     texture::Procedural,
+    whole::whole,
 };
 
 type Colour = [f64; 3];
@@ -22,8 +25,24 @@ const AMBER: Colour = [224.0, 164.0, 44.0];
 /// Half the length of a hair, in steps of one texel.
 const HAIR: i32 = 12;
 
+/// The one made last: it takes a while, is asked for by several who look at one scene, and two scenes in a row may share it.
+static LAST: Mutex<Option<(Procedural, Arc<RgbaImage>)>> = Mutex::new(None);
+
 /// The texels.
-pub(super) fn image(texture: &Procedural) -> RgbaImage {
+pub(super) fn image(texture: &Procedural) -> Arc<RgbaImage> {
+    // Whoever panicked while holding it has left it as it was. Not held while painting, which other tasks may be waited for in.
+    let last = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((known, image)) = &*last()
+        && known == texture
+    {
+        return Arc::clone(image);
+    }
+    let image = Arc::new(painted(texture));
+    *last() = Some((*texture, Arc::clone(&image)));
+    image
+}
+
+fn painted(texture: &Procedural) -> RgbaImage {
     let [width, height] = texture.size;
     let strands = Strands::new(texture);
     let mut rgb = RgbImage::new(width, height);
@@ -109,11 +128,11 @@ impl Strands {
         let [width, height] = self.size;
         let within = |index: i32, size: i32| if (0..size).contains(&index) { index } else { index.rem_euclid(size) };
         let [fine, wide] = [&self.noise[0], &self.noise[1]].map(|(thickness, noise)| {
-            let sum: u32 = (-HAIR..=HAIR)
+            let sum: u32 = (-HAIR..HAIR + 1)
                 .map(|step| {
                     let reach = f64::from(step * thickness);
-                    let column = within((f64::from(x) + along_x * reach + 0.5).floor() as i32, width);
-                    let row = within((f64::from(y) + along_y * reach + 0.5).floor() as i32, height);
+                    let column = within(whole(f64::from(x) + along_x * reach + 0.5) as i32, width);
+                    let row = within(whole(f64::from(y) + along_y * reach + 0.5) as i32, height);
                     u32::from(noise[row as usize * width as usize + column as usize])
                 })
                 .sum();

@@ -79,7 +79,7 @@ impl Texture {
     #[must_use]
     pub fn image(&self) -> Arc<RgbaImage> {
         match &self.source {
-            TextureSource::Procedural(procedural) => Arc::new(procedural.image()),
+            TextureSource::Procedural(procedural) => procedural.image(),
             TextureSource::File { image, .. } => Arc::clone(image),
         }
     }
@@ -118,10 +118,12 @@ impl Texture {
 impl Procedural {
     /// The texels.
     #[must_use]
-    pub fn image(&self) -> RgbaImage {
+    pub fn image(&self) -> Arc<RgbaImage> {
         let [width, height] = self.size;
         match self.pattern {
-            Pattern::Checkerboard | Pattern::Pane => RgbaImage::from_fn(width, height, |x, y| Rgba(self.texel(x, y))),
+            Pattern::Checkerboard | Pattern::Pane => {
+                Arc::new(RgbaImage::from_fn(width, height, |x, y| Rgba(self.texel(x, y))))
+            }
             Pattern::Natural => natural::image(self),
         }
     }
