@@ -112,7 +112,7 @@ fn the_perfetto_trace_is_json_in_which_every_span_ends_and_counters_return_to_ze
         serde_json::from_str(&written(|writer| perfetto::write(writer, &recording))).unwrap();
     let (mut depth, mut last) = (BTreeMap::new(), BTreeMap::new());
     for event in trace["traceEvents"].as_array().unwrap() {
-        let key = || (event["cat"].to_string(), event["id"].to_string());
+        let key = || (event["cat"].to_string(), event["id2"]["local"].as_str().unwrap().to_owned());
         match event["ph"].as_str().unwrap() {
             "b" => *depth.entry(key()).or_insert(0) += 1,
             "e" => *depth.entry(key()).or_insert(0) -= 1,
@@ -123,6 +123,44 @@ fn the_perfetto_trace_is_json_in_which_every_span_ends_and_counters_return_to_ze
     assert!(depth.values().all(|depth| *depth == 0));
     assert_eq!(depth.len() as u64, timed.counters.taps + timed.counters.fills);
     assert!(last.len() == 3 && last.values().all(|value| *value == 0), "{last:?}");
+}
+
+#[test]
+fn the_perfetto_trace_names_spans_alike_so_that_they_share_a_track_and_numbers_them_in_order() {
+    let (timed, recording) = record(&Machine::load("herf-12.20", &[]).unwrap(), Filter::Trilinear);
+    let trace: serde_json::Value =
+        serde_json::from_str(&written(|writer| perfetto::write(writer, &recording))).unwrap();
+    let mut spans: BTreeMap<&str, u64> = BTreeMap::new();
+    let mut taps = 0;
+    for event in trace["traceEvents"].as_array().unwrap().iter().filter(|event| event["ph"] == "b") {
+        *spans.entry(event["name"].as_str().unwrap()).or_default() += 1;
+        if event["name"] == "tap" {
+            assert_eq!(event["args"]["tap"], taps);
+            assert_eq!(event["args"]["request"], taps / 2, "a trilinear request is two taps");
+            taps += 1;
+        }
+        if event["name"] == "line" {
+            assert!(event["args"]["address"].as_str().unwrap().starts_with("0x"));
+        }
+    }
+    assert_eq!((spans["tap"], spans["line"]), (timed.counters.taps, timed.counters.fills));
+    assert!(spans.len() <= 10, "eight stages, taps and lines: {spans:?}");
+}
+
+#[test]
+fn the_value_change_dump_says_one_thing_of_a_signal_in_a_clock() {
+    let (_, recording) = record(&Machine::load("herf-12.20", &[]).unwrap(), Filter::Trilinear);
+    let dump = written(|writer| vcd::write(writer, &recording));
+    let mut said = std::collections::BTreeSet::new();
+    for command in ::vcd::Parser::new(dump.as_bytes()) {
+        match command.unwrap() {
+            ::vcd::Command::Timestamp(_) => said.clear(),
+            ::vcd::Command::ChangeScalar(signal, _) | ::vcd::Command::ChangeVector(signal, _) => {
+                assert!(said.insert(signal), "{signal} twice");
+            }
+            _ => {}
+        }
+    }
 }
 
 #[test]
@@ -162,7 +200,7 @@ fn the_memory_trace_holds_each_request_to_memory_once_in_order() {
         let machine = Machine::load(machine, &[]).unwrap();
         let (timed, recording) = record(&machine, Filter::Bilinear);
         let trace =
-            written(|writer| memory_trace::write(writer, &recording.fills, 128, memory_trace::Format::Dramsim3));
+            written(|writer| memory_trace::write(writer, &recording.fills, 128, 128, memory_trace::Format::Dramsim3));
         let rows: Vec<(u64, u64)> = trace
             .lines()
             .map(|line| {
@@ -175,8 +213,28 @@ fn the_memory_trace_holds_each_request_to_memory_once_in_order() {
         assert!(rows.windows(2).all(|pair| pair[0].1 < pair[1].1));
         assert!(rows.iter().all(|row| row.0 % 128 == 0));
         let loads =
-            written(|writer| memory_trace::write(writer, &recording.fills, 128, memory_trace::Format::Ramulator2));
+            written(|writer| memory_trace::write(writer, &recording.fills, 128, 128, memory_trace::Format::Ramulator2));
         assert!(loads.lines().all(|line| line.starts_with("LD 0x")));
         assert_eq!(loads.lines().count(), rows.len());
+    }
+}
+
+#[test]
+fn blocks_longer_than_a_line_of_the_memory_trace_moves_become_several_lines_and_no_byte_is_lost() {
+    for (name, block) in [("herf-12.20", 64), ("desktop", 128)] {
+        let (timed, recording) = record(&Machine::load(name, &[]).unwrap(), Filter::Bilinear);
+        let trace =
+            written(|writer| memory_trace::write(writer, &recording.fills, block, 32, memory_trace::Format::Dramsim3));
+        let rows: Vec<(u64, &str)> = trace
+            .lines()
+            .map(|line| {
+                let (address, clock) = line.split_once(" READ ").unwrap();
+                (u64::from_str_radix(&address[2..], 16).unwrap(), clock)
+            })
+            .collect();
+        assert_eq!(32 * rows.len() as u64, timed.counters.memory_bytes, "{name}");
+        for block in rows.chunks(block as usize / 32) {
+            assert!(block.windows(2).all(|pair| pair[1] == (pair[0].0 + 32, pair[0].1)), "{name}: {block:?}");
+        }
     }
 }

@@ -48,6 +48,9 @@ pub struct Args {
     /// Format of the memory trace
     #[arg(long, value_enum, default_value = "dramsim3")]
     memory_trace_format: memory_trace::Format,
+    /// Bytes one line of the memory trace moves in the program that reads it, a power of two, for instance 64: longer blocks become several lines [default: a line a block]
+    #[arg(long, value_name = "BYTES")]
+    memory_trace_bytes: Option<u32>,
     /// Requests whose events are written
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     first: u64,
@@ -87,6 +90,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             "files of events hold one filter",
             "name one, for instance --filter trilinear",
         ));
+    }
+    if let Some(bytes) = args.memory_trace_bytes.filter(|bytes| !bytes.is_power_of_two()) {
+        return Err(Error::setting("--memory-trace-bytes", bytes, "not a power of two", "64 for most memories"));
     }
     let epoch = epoch_length(args)?;
     let bench = TimedBench::new(&scene, &machine, &filters)?;
@@ -139,7 +145,9 @@ fn write_events(args: &Args, machine: &Machine, recording: &Recording) -> Result
     if let Some(path) = &args.memory_trace {
         let second = &machine.memory.second_level;
         let block = if second.enabled { second.line } else { machine.cache.line };
-        write_whole(path, |writer| memory_trace::write(writer, &recording.fills, block, args.memory_trace_format))?;
+        let bytes = args.memory_trace_bytes.unwrap_or(block);
+        let format = args.memory_trace_format;
+        write_whole(path, |writer| memory_trace::write(writer, &recording.fills, block, bytes, format))?;
     }
     Ok(())
 }

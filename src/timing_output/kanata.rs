@@ -1,5 +1,5 @@
 //! Kanata 0004, the log of the Konata pipeline viewer (shioyadan/Konata, docs/kanata-log-format.md). A tap is an instruction; lane 0
-//! holds its stages, lane 1 the lines it waits for (MS). A tap retires when its request leaves.
+//! holds its stages, lane 1 the lines it waits for (MS). A tap retires when its request leaves. In a label, backslash n is Konata's line break.
 
 use std::io::{Result, Write};
 
@@ -24,7 +24,7 @@ pub fn write(writer: &mut dyn Write, recording: &Recording) -> Result<()> {
             if from < until {
                 commands.push((from, 2, id, format!("S\t{id}\t0\t{short}")));
                 commands.push((until, 0, id, format!("E\t{id}\t0\t{short}")));
-                commands.push((from, 1, id, format!("L\t{id}\t1\t{name}: {from} to {until}; ")));
+                commands.push((from, 1, id, format!("L\t{id}\t1\t{name}: {from} to {until}\\n")));
             }
         }
         commands.push((request.result + 1, 3, id, format!("R\t{id}\t{retired}\t0")));
@@ -39,7 +39,7 @@ pub fn write(writer: &mut dyn Write, recording: &Recording) -> Result<()> {
             lines += &format!(", {:#x}", next.address);
         }
         commands.push((first.access, 2, id, format!("S\t{id}\t1\tMS")));
-        commands.push((first.access, 2, id, format!("L\t{id}\t1\t{lines}; ")));
+        commands.push((first.access, 2, id, format!("L\t{id}\t1\t{lines}\\n")));
         commands.push((until, 0, id, format!("E\t{id}\t1\tMS")));
     }
     // Instructions appear in the order of their numbers, whatever the clock.

@@ -1,6 +1,9 @@
 //! Value change dump, for waveform viewers: a `valid` and an `item` for every unit, and how full the queues are. A clock is a nanosecond.
 
-use std::io::{Result, Write};
+use std::{
+    collections::BTreeMap,
+    io::{Result, Write},
+};
 
 use vcd::{IdCode, TimescaleUnit, VarType, Writer};
 
@@ -37,38 +40,36 @@ pub fn write(writer: &mut dyn Write, recording: &Recording) -> Result<()> {
     let mut vcd = Writer::new(writer);
     vcd.timescale(1, TimescaleUnit::NS)?;
     vcd.add_module("texunit")?;
-    // Changes: clock, signal, bits, value.
-    let mut changes: Vec<(u64, IdCode, u32, u64)> = Vec::new();
+    // Bits and value by clock and signal: what was said last of a signal in a clock holds, and nothing else is written of it.
+    let mut changes: BTreeMap<(u64, IdCode), (u32, u64)> = BTreeMap::new();
     for (name, items) in units {
         vcd.add_module(name)?;
         let valid = vcd.add_var(VarType::Wire, 1, "valid", None)?;
         let item = vcd.add_var(VarType::Wire, BITS, "item", None)?;
         vcd.upscope()?;
-        changes.push((0, valid, 1, 0));
+        changes.insert((0, valid), (1, 0));
         for (position, &(clock, number)) in items.iter().enumerate() {
             // Of several items in one clock the last is shown.
             let next = items.get(position + 1).map(|next| next.0);
             if next != Some(clock) {
-                changes.push((clock, valid, 1, 1));
-                changes.push((clock, item, BITS, number));
+                changes.insert((clock, valid), (1, 1));
+                changes.insert((clock, item), (BITS, number));
             }
             if next.is_none_or(|next| next > clock + 1) {
-                changes.push((clock + 1, valid, 1, 0));
+                changes.insert((clock + 1, valid), (1, 0));
             }
         }
     }
     for (name, values) in levels {
         let signal = vcd.add_var(VarType::Wire, BITS, name, None)?;
-        changes.push((0, signal, BITS, 0));
-        changes.extend(values.into_iter().map(|(clock, value)| (clock, signal, BITS, value.unsigned_abs())));
+        changes.insert((0, signal), (BITS, 0));
+        changes.extend(values.into_iter().map(|(clock, value)| ((clock, signal), (BITS, value.unsigned_abs()))));
     }
     vcd.upscope()?;
     vcd.enddefinitions()?;
 
-    // Stable: what was said last of a signal in a clock holds.
-    changes.sort_by_key(|change| change.0);
     let mut clock = None;
-    for (at, signal, bits, value) in changes {
+    for ((at, signal), (bits, value)) in changes {
         if clock != Some(at) {
             vcd.timestamp(at)?;
             clock = Some(at);
