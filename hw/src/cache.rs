@@ -325,11 +325,11 @@ impl Cache {
         self.lookups += addresses.len() as u64;
         self.misses += with_engine!(&mut self.engine, tags => if sets.is_power_of_two() && shift == 6 {
             // The commonest line by far: a shift by a constant is cheaper.
-            tags.run(addresses, 6, |line| (line & (sets - 1)) as usize, observer)
+            tags.run(addresses, |address| address >> 6, |line| (line & (sets - 1)) as usize, observer)
         } else if sets.is_power_of_two() {
-            tags.run(addresses, shift, |line| (line & (sets - 1)) as usize, observer)
+            tags.run(addresses, |address| address >> shift, |line| (line & (sets - 1)) as usize, observer)
         } else {
-            tags.run(addresses, shift, |line| (line % sets) as usize, observer)
+            tags.run(addresses, |address| address >> shift, |line| (line % sets) as usize, observer)
         });
     }
 

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::{Observer, Outcome};
+use super::{Observer, Outcome, tags::look_up};
 
 /// Low bits of an entry: the way.
 const WAY_BITS: u32 = 4;
@@ -81,23 +81,16 @@ impl<const WAYS: usize> RecencyTags<WAYS> {
     }
 
     /// Looks up the lines of byte addresses; the answer is the number of misses.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn run<O: Observer>(
         &mut self,
         addresses: &[u64],
-        shift: u32,
+        line_of: impl Fn(u64) -> u64,
         set_of: impl Fn(u64) -> usize,
         observer: &mut O,
     ) -> u64 {
         let sets = self.sets.as_mut_slice();
-        let mut misses = 0;
-        for &address in addresses {
-            let line = address >> shift;
-            let outcome = Self::access_in(sets, set_of(line), line);
-            misses += u64::from(!outcome.is_hit());
-            observer.lookup(address, line, outcome);
-        }
-        misses
+        look_up(addresses, line_of, observer, |line| Self::access_in(sets, set_of(line), line))
     }
 
     /// Lines held now.

@@ -7,6 +7,32 @@ use super::{Observer, Outcome, line_index::LineIndex, replacement::Replacement};
 /// Sets wider than this are searched through an index instead of way by way.
 const SCANNED_WAYS_MAX: usize = 16;
 
+/// Looks up the lines of byte addresses; the answer is the number of misses. A line that comes twice running, as most do, is there
+/// the second time, and touching it again changes nothing in any policy.
+#[inline(always)]
+pub(super) fn look_up<O: Observer>(
+    addresses: &[u64],
+    line_of: impl Fn(u64) -> u64,
+    observer: &mut O,
+    mut access: impl FnMut(u64) -> Outcome,
+) -> u64 {
+    let Some(&first) = addresses.first() else { return 0 };
+    let (mut last, mut slot) = (!line_of(first), 0);
+    let mut misses = 0;
+    for &address in addresses {
+        let line = line_of(address);
+        if line == last {
+            observer.lookup(address, line, Outcome::Hit { slot });
+            continue;
+        }
+        let outcome = access(line);
+        (last, slot) = (line, outcome.slot());
+        misses += u64::from(!outcome.is_hit());
+        observer.lookup(address, line, outcome);
+    }
+    misses
+}
+
 /// Tags of `sets * ways` lines, each in its way for as long as it stays.
 #[derive(Clone, Debug)]
 pub(super) struct Tags<R> {
@@ -114,24 +140,17 @@ impl<R: Replacement> Tags<R> {
     }
 
     /// Looks up the lines of byte addresses; the answer is the number of misses.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn run<O: Observer>(
         &mut self,
         addresses: &[u64],
-        shift: u32,
+        line_of: impl Fn(u64) -> u64,
         set_of: impl Fn(u64) -> usize,
         observer: &mut O,
     ) -> u64 {
         let Some(&first) = addresses.first() else { return 0 };
-        self.prime(first >> shift);
-        let mut misses = 0;
-        for &address in addresses {
-            let line = address >> shift;
-            let outcome = self.access_primed(set_of(line), line);
-            misses += u64::from(!outcome.is_hit());
-            observer.lookup(address, line, outcome);
-        }
-        misses
+        self.prime(line_of(first));
+        look_up(addresses, line_of, observer, |line| self.access_primed(set_of(line), line))
     }
 
     /// Lines held now.

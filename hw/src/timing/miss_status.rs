@@ -57,8 +57,12 @@ impl MissStatus {
     /// Takes an entry in `clock`, as [`Self::room`] allows, that can be taken again from `free` on.
     pub(super) fn hold(&mut self, clock: u64, free: u64) {
         self.release(clock);
-        let place = self.held.iter().rposition(|&earlier| earlier <= free).map_or(0, |before| before + 1);
-        self.held.insert(place, free);
+        if self.held.back().is_none_or(|&last| last <= free) {
+            self.held.push_back(free);
+        } else {
+            let place = self.held.iter().rposition(|&earlier| earlier <= free).map_or(0, |before| before + 1);
+            self.held.insert(place, free);
+        }
         self.most = self.most.max(self.held.len());
         self.clocks += free - clock;
     }
