@@ -13,7 +13,7 @@ use crate::{
     front_end::FrontEnd,
     machine::Machine,
     names::Named,
-    scene::{Fragment, Scene},
+    scene::Scene,
     texture_memory::Decompress,
     texture_memory::TextureMemory,
 };
@@ -91,18 +91,16 @@ impl Timed {
     }
 }
 
-/// The requests of a scene, bound to what they are asked of.
+/// A scene, bound to what its requests are asked of.
 #[derive(Debug)]
 pub struct TimedBench<'s> {
     machine: &'s Machine,
     scene: &'s Scene,
-    fragments: Vec<Fragment>,
     pyramids: Pyramids,
-    size: [u32; 2],
 }
 
 impl<'s> TimedBench<'s> {
-    /// Rasterizes the scene and makes the pyramids for some filters.
+    /// Makes the pyramids for some filters.
     ///
     /// # Errors
     /// A pyramid that cannot be made or laid out.
@@ -111,39 +109,71 @@ impl<'s> TimedBench<'s> {
             let problem = "there is no decompressor in the machine in time, whose fills are whole lines";
             return Err(Error::setting("texture.decompress", "before-cache", problem, "time it with after-cache"));
         }
-        let texture = scene.texture.texture_image();
-        let pyramids = Pyramids::for_filters(machine, &texture, filters)?;
-        Ok(Self { machine, scene, fragments: scene.fragments().collect(), pyramids, size: scene.texture.size() })
+        let pyramids = Pyramids::for_filters(machine, &scene.texture.texture_image(), filters)?;
+        Ok(Self { machine, scene, pyramids })
     }
 
-    fn requests(&self, filter: Filter) -> (Sampler, Vec<Request>) {
-        let address = self.scene.texture.wrap;
-        let front_end = FrontEnd::new(self.machine, filter, address, self.size)
-            .of_shape(self.machine, |seen| seen.add(&self.fragments));
-        let sampler = self.machine.sampler(filter, address, LodSource::Gradient);
-        (sampler, front_end.requests(&self.fragments).0)
-    }
-
-    /// Times one filter of those it was made for, an epoch every so many requests, with someone watching.
+    /// Times one filter of those it was made for, an epoch every so many requests, with someone watching. The frame is drawn as it
+    /// is timed, a block of pixels at a time, and so may have any size.
     ///
     /// # Errors
     /// A machine that cannot run.
     pub fn time<O: TimingObserver>(&self, filter: Filter, epoch: Option<usize>, observer: O) -> Result<(Timed, O)> {
+        self.time_while(filter, epoch, observer, &|_| true)
+    }
+
+    /// The same for as long as `go_on`, told of every block's requests, says so: what was timed until then.
+    ///
+    /// # Errors
+    /// A machine that cannot run.
+    pub fn time_while<O: TimingObserver>(
+        &self,
+        filter: Filter,
+        epoch: Option<usize>,
+        observer: O,
+        go_on: &dyn Fn(u64) -> bool,
+    ) -> Result<(Timed, O)> {
+        let (machine, scene) = (self.machine, self.scene);
         let (_, memory) = self.pyramids.of(filter);
-        let (sampler, requests) = self.requests(filter);
-        time_requests(self.machine, &sampler, memory, &requests, epoch, observer)
+        let address = scene.texture.wrap;
+        let front_end = FrontEnd::new(machine, filter, address, scene.texture.size()).of_shape(machine, |seen| {
+            scene.for_each_block(|block| seen.add(block));
+        });
+        let sampler = machine.sampler(filter, address, LodSource::Gradient);
+        let draw = |time: &mut dyn FnMut(&[Request])| {
+            let (mut blocks, mut requests) = (scene.blocks(), Vec::new());
+            while let Some(block) = blocks.next_block() {
+                requests.clear();
+                requests.extend(block.iter().map(|fragment| front_end.request(fragment).0));
+                time(&requests);
+                if !go_on(requests.len() as u64) {
+                    break;
+                }
+            }
+        };
+        time_blocks(machine, &sampler, memory, draw, epoch, observer)
     }
 }
 
-/// Times requests of a texture in memory, an epoch every so many of them, with someone watching.
+/// Times requests of a texture in memory.
 ///
 /// # Errors
 /// A machine that cannot run.
-pub fn time_requests<O: TimingObserver>(
+pub fn time_requests(
     machine: &Machine,
     sampler: &Sampler,
     memory: &TextureMemory,
     requests: &[Request],
+) -> Result<Timed> {
+    Ok(time_blocks(machine, sampler, memory, |time| time(requests), None, ())?.0)
+}
+
+/// Times the requests that `draw` hands on, an epoch every so many of them, with someone watching.
+fn time_blocks<O: TimingObserver>(
+    machine: &Machine,
+    sampler: &Sampler,
+    memory: &TextureMemory,
+    draw: impl FnOnce(&mut dyn FnMut(&[Request])),
     epoch: Option<usize>,
     observer: O,
 ) -> Result<(Timed, O)> {
@@ -159,12 +189,22 @@ pub fn time_requests<O: TimingObserver>(
     let mut timing =
         Timing::new(&parameters, &machine.memory.parameters(), cache, texels * surface.reads_per_texel(), observer)
             .map_err(|error| wrong(error.to_string()))?;
-    let mut epochs = Vec::new();
-    for requests in requests.chunks(epoch.unwrap_or(usize::MAX).max(1)) {
-        unit.addresses(requests, &mut timing);
-        if epoch.is_some() {
-            epochs.push(timing.counters());
+    let length = epoch.unwrap_or(usize::MAX).max(1);
+    let (mut epochs, mut left) = (Vec::new(), length);
+    draw(&mut |mut requests| {
+        while !requests.is_empty() {
+            let (of_epoch, after) = requests.split_at(left.min(requests.len()));
+            unit.addresses(of_epoch, &mut timing);
+            left -= of_epoch.len();
+            requests = after;
+            if left == 0 {
+                epochs.push(timing.counters());
+                left = length;
+            }
         }
+    });
+    if epoch.is_some() && left < length {
+        epochs.push(timing.counters());
     }
     let counters = timing.counters();
     let planes = surface.planes.iter().map(|plane| (plane.lu, plane.lv)).zip(timing.planes()).collect();

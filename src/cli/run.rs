@@ -79,31 +79,25 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         let stage = Stage::in_light(scene, machine.texture.srgb);
         let pyramids = Pyramids::for_filters(&machine, &stage.texture, &on_pyramids)?;
         written.truth(&stage)?;
-        let (mut outcomes, mut floats) = (Vec::new(), Vec::new());
-        // As many at a time as there are threads; what each does in parallel within itself fills the gaps.
-        for filters in filters.chunks(rayon::current_num_threads()) {
-            if STOP.load(Ordering::Relaxed) {
-                break;
-            }
-            let names: Vec<_> = filters.iter().map(|filter| filter.name()).collect();
-            progress.set_message(format!("{}: {}", stage.scene.name, names.join(", ")));
-            let measured: Vec<Result<Measured>> = filters
-                .par_iter()
-                .map(|filter| Measured::new(*filter, &stage, &machine, &pyramids, args.leave_out))
-                .collect();
-            for (filter, measured) in filters.iter().zip(measured) {
-                match measured? {
-                    Measured::Unit(outcome) => {
-                        let texels = outcome.responses.iter().map(|response| response.texel);
-                        written.images(&stage, filter.name(), texels)?;
-                        outcomes.push(*outcome);
-                    }
-                    Measured::Float(outcome) => {
-                        written.images(&stage, filter.name(), outcome.texels.iter().copied())?;
-                        floats.push(outcome);
-                    }
+        let measured: Vec<Option<Measured>> = filters
+            .par_iter()
+            .with_max_len(1)
+            .map(|filter| {
+                if STOP.load(Ordering::Relaxed) {
+                    return Ok(None);
                 }
+                progress.set_message(format!("{}: {}", stage.scene.name, filter.name()));
+                let measured = Measured::new(*filter, &stage, &machine, &pyramids, args.leave_out)?;
+                written.images(&stage, filter.name(), &measured)?;
                 progress.inc(1);
+                Ok(Some(measured))
+            })
+            .collect::<Result<_>>()?;
+        let (mut outcomes, mut floats) = (Vec::new(), Vec::new());
+        for measured in measured.into_iter().flatten() {
+            match measured {
+                Measured::Unit(outcome) => outcomes.push(*outcome),
+                Measured::Float(outcome) => floats.push(outcome),
             }
         }
         written.report(&stage, &outcomes, &floats)?;
@@ -143,6 +137,14 @@ impl Measured {
             outcome.left_out = Some(bench.leave_out(machine)?);
         }
         Ok(Self::Unit(Box::new(outcome)))
+    }
+
+    /// The answers, in pixel order.
+    fn texels(&self) -> Vec<[u8; 4]> {
+        match self {
+            Self::Unit(outcome) => outcome.responses.iter().map(|response| response.texel).collect(),
+            Self::Float(outcome) => outcome.texels.clone(),
+        }
     }
 }
 
@@ -217,10 +219,11 @@ impl Written<'_> {
     }
 
     /// Image and difference of one filter.
-    fn images(&self, stage: &Stage, name: &str, texels: impl Iterator<Item = [u8; 4]> + Clone) -> Result<()> {
+    fn images(&self, stage: &Stage, name: &str, measured: &Measured) -> Result<()> {
         let folder = self.folder.join(&stage.scene.name);
-        write_png(&folder.join(format!("{name}.png")), &stage.picture(texels.clone()))?;
-        write_png(&folder.join(format!("{name}-difference.png")), &difference(stage, texels))
+        let texels = measured.texels();
+        write_png(&folder.join(format!("{name}.png")), &stage.picture(texels.iter().copied()))?;
+        write_png(&folder.join(format!("{name}-difference.png")), &difference(stage, &texels))
     }
 
     /// The reports anew, with one scene more: an interrupted run leaves those of the finished scenes.
@@ -243,7 +246,7 @@ impl Written<'_> {
 }
 
 /// Middle grey where answer and truth agree, the signed difference of each channel around it.
-fn difference(stage: &Stage, texels: impl Iterator<Item = [u8; 4]>) -> RgbaImage {
+fn difference(stage: &Stage, texels: &[[u8; 4]]) -> RgbaImage {
     let texels = stage.fragments.iter().zip(texels).map(|(fragment, texel)| {
         let truth = stage.truth.at(fragment.x, fragment.y);
         let channel = |c: usize| (128.0 + f32::from(texel[c]) - truth[c]).round().clamp(0.0, 255.0) as u8;

@@ -1,12 +1,17 @@
 //! `texunit time`: how long, and why.
 
-use std::{path::PathBuf, process::ExitCode};
+use std::{path::PathBuf, process::ExitCode, sync::atomic::Ordering};
 
 use comfy_table::Table;
+use rayon::prelude::*;
 use serde_json::json;
 use texunit_hw::timing::TimingCounters;
 
-use super::scene_args::{FilterArgs, image_size};
+use super::{
+    STOP, progress_bar,
+    scene_args::{FilterArgs, image_size},
+    stop_on_ctrl_c,
+};
 use crate::{
     error::{Error, Result},
     machine::Machine,
@@ -96,21 +101,31 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     }
     let epoch = epoch_length(args)?;
     let bench = TimedBench::new(&scene, &machine, &filters)?;
-    let mut all = Vec::new();
-    for &filter in &filters {
+    stop_on_ctrl_c();
+    let progress = progress_bar(filters.len() as u64 * scene.coverage().covered);
+    progress.set_message("requests");
+    let go_on = |requests| {
+        progress.inc(requests);
+        !STOP.load(Ordering::Relaxed)
+    };
+    let time = |filter| {
         let timed = if events {
             let recording = Recording::new(args.first, args.memory_trace.is_some());
-            let (timed, recording) = bench.time(filter, epoch, recording)?;
+            let (timed, recording) = bench.time_while(filter, epoch, recording, &go_on)?;
             write_events(args, &machine, &recording)?;
             timed
         } else {
-            bench.time(filter, epoch, ())?.0
+            bench.time_while(filter, epoch, (), &go_on)?.0
         };
         if let Some([_, file]) = args.epochs.as_deref() {
             write_whole(file.as_ref(), |writer| epochs::write(writer, &timed.epochs))?;
         }
-        all.push(timed);
-    }
+        Ok((!STOP.load(Ordering::Relaxed)).then_some(timed))
+    };
+    let timed: Vec<Option<Timed>> = filters.par_iter().map(|&filter| time(filter)).collect::<Result<_>>()?;
+    progress.finish_and_clear();
+    // Files of events and epochs hold what a filter came to; the table only filters that were finished.
+    let all: Vec<Timed> = timed.into_iter().flatten().collect();
     if args.json {
         let filters: Vec<_> = all.iter().map(Timed::json).collect();
         say!("{:#}", json!({ "scene": scene.name, "machine": machine, "filters": filters }));
@@ -118,6 +133,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         say!("{} on {}: {}", scene.name, machine.name, machine.description);
         say!("{}", table(&all));
         say!("energy is an estimate: {}", machine.energy.source);
+    }
+    if all.len() < filters.len() {
+        eprintln!("texunit: interrupted; filters that were not finished are left out");
+        return Ok(ExitCode::from(2));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -256,7 +256,7 @@ impl<'s> Bench<'s> {
     /// # Errors
     /// A machine that cannot run.
     pub fn time(&self, machine: &Machine) -> Result<Timed> {
-        Ok(time_requests(machine, &self.sampler, self.memory, &self.requests, None, ())?.0)
+        time_requests(machine, &self.sampler, self.memory, &self.requests)
     }
 
     /// Runs the requests again without what they do not need, and compares every answer.

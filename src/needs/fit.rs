@@ -97,7 +97,7 @@ impl Bench<'_> {
     /// Runs one machine and holds it against the first.
     fn measure(&self, machine: &Machine, setting: &str, value: String) -> Result<Candidate> {
         let sampler = self.sampler(machine);
-        let (timed, _) = time_requests(machine, &sampler, &self.memory, &self.requests, None, ())?;
+        let timed = time_requests(machine, &sampler, &self.memory, &self.requests)?;
         let (mut squares, mut worst) = (0u64, 0);
         for (one, other) in self.answers(&sampler)?.iter().zip(&self.expected) {
             for (one, other) in one.texel.iter().zip(other.texel).take(3) {

@@ -168,7 +168,7 @@ fn run(
     let counters = counters.unwrap_or_default();
     let timed = match memory.is_decompressed() {
         true => None,
-        false => Some(time_requests(machine, sampler, memory, requests, None, ())?.0),
+        false => Some(time_requests(machine, sampler, memory, requests)?),
     };
     let cost = Cost {
         planes: surface.planes.iter().filter(|plane| plane.held).count() as u64,

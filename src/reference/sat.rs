@@ -113,8 +113,10 @@ impl<'a> Sat<'a> {
     fn shares<T: Number>(&self, indices: impl Iterator<Item = (f64, T)>, axis: usize) -> Vec<(usize, usize, T)> {
         let texel = |index| anywhere(index, self.plane.size[axis], self.address[axis]);
         let mut shares: Vec<_> = indices.filter_map(|(index, share)| Some((texel(index)?, share))).collect();
-        // Stable, so that shares of one texel are added in the order they came in.
-        shares.sort_by_key(|(texel, _)| *texel);
+        if !shares.is_sorted_by_key(|(texel, _)| *texel) {
+            // Stable, so that shares of one texel are added in the order they came in.
+            shares.sort_by_key(|(texel, _)| *texel);
+        }
         let mut runs: Vec<(usize, usize, T)> = Vec::new();
         for of_texel in shares.chunk_by(|a, b| a.0 == b.0) {
             let (texel, mut share) = of_texel[0];

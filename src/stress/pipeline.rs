@@ -46,7 +46,7 @@ fn deadlock(_: &Options) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for places in [4, 5, 8, 32] {
         let machine = machine.with_settings(&[format!("timing.reorder-buffer={places}")])?;
-        let (timed, ()) = time_requests(&machine, &sampler, &held.memory, &requests, None, ())?;
+        let timed = time_requests(&machine, &sampler, &held.memory, &requests)?;
         rows.push(Row {
             input: format!("trilinear, 8 misses a request, a reorder buffer of {places}: requests answered"),
             unit: "requests",
@@ -60,7 +60,7 @@ fn deadlock(_: &Options) -> Result<Vec<Row>> {
     for places in [1, 2, 3] {
         let tight = machine.with_settings(&[format!("timing.reorder-buffer={places}")]);
         let refused = match tight {
-            Ok(machine) => time_requests(&machine, &sampler, &held.memory, &requests, None, ()).is_err(),
+            Ok(machine) => time_requests(&machine, &sampler, &held.memory, &requests).is_err(),
             Err(_) => true,
         };
         rows.push(Row {
