@@ -3,13 +3,14 @@
 use serde_json::{Map, Value, json};
 use texunit_hw::{
     Filter, Format, LodSource, Request, Sampler, Unit,
+    cache::Detail,
     timing::{Histograms, PlaneTiming, Timing, TimingCounters, TimingObserver},
 };
 
 use crate::{
     energy::Energy,
     error::{Error, Result},
-    experiment::{Pyramids, cache, report::Metric},
+    experiment::{Pyramids, cache_that_keeps, report::Metric},
     front_end::FrontEnd,
     machine::Machine,
     names::Named,
@@ -182,7 +183,9 @@ fn time_blocks<O: TimingObserver>(
     let wrong = |problem: String| Error::setting("machine", &machine.name, problem, "change the machine");
     let mut unit = Unit::new(sampler, surface, &memory.bytes).map_err(|error| wrong(error.to_string()))?;
     let texels = if filter == Filter::Point { 1 } else { 4 };
-    let cache = cache(machine, surface.bytes_per_read())?;
+    // Time does not ask why a line is missed, nor what of it is used.
+    let detail = Detail { classes: false, line_use: false };
+    let cache = cache_that_keeps(detail, machine, surface.bytes_per_read())?;
     // An entry of a summed-area table or a block is read whole: its banks are as wide as it is (docs/timing.md).
     let mut parameters = machine.timing.parameters();
     parameters.data_bank_bytes = parameters.data_bank_bytes.max(surface.bytes_per_read().next_power_of_two());

@@ -345,18 +345,26 @@ impl<'s> Bench<'s> {
     }
 }
 
-/// The machine's cache, empty, for reads of `bytes`.
+/// The machine's cache, empty, for reads of `bytes`, with every counter.
 ///
 /// # Errors
 /// A geometry that cannot be built.
 pub fn cache(machine: &Machine, bytes: u32) -> Result<TexelCache> {
+    cache_that_keeps(CacheDetail::default(), machine, bytes)
+}
+
+/// The same with some of the counters.
+///
+/// # Errors
+/// A geometry that cannot be built.
+pub fn cache_that_keeps(detail: CacheDetail, machine: &Machine, bytes: u32) -> Result<TexelCache> {
     let shape = &machine.cache;
     let wrong = |problem: String| {
         let value = format!("{} sets x {} ways x {} bytes", shape.sets, shape.ways, shape.line);
         Error::setting("cache", value, problem, "for instance 64 sets, 4 ways, 64 bytes a line")
     };
     let policy = shape.policy().map_err(wrong)?;
-    TexelCache::new(shape.geometry(), policy, bytes, CacheDetail::default()).map_err(|error| wrong(error.to_string()))
+    TexelCache::new(shape.geometry(), policy, bytes, detail).map_err(|error| wrong(error.to_string()))
 }
 
 /// Pyramids of one texture, each made and laid out once.
