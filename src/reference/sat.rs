@@ -112,7 +112,15 @@ impl<'a> Sat<'a> {
     /// outside is on none.
     fn shares<T: Number>(&self, indices: impl Iterator<Item = (f64, T)>, axis: usize) -> Vec<(usize, usize, T)> {
         let texel = |index| anywhere(index, self.plane.size[axis], self.address[axis]);
-        let mut shares: Vec<_> = indices.filter_map(|(index, share)| Some((texel(index)?, share))).collect();
+        let of_box: Vec<(f64, T)> = indices.collect();
+        let [first, last] = [of_box.first(), of_box.last()].map(|end| end.and_then(|(index, _)| texel(*index)));
+        // As many texels from the first to the last as there are indices: no edge of the texture lies between them.
+        let within = first.zip(last).is_some_and(|(first, last)| last + 1 == first + of_box.len());
+        let mut shares: Vec<(usize, T)> = if within {
+            (first.unwrap_or(0)..).zip(&of_box).map(|(texel, (_, share))| (texel, *share)).collect()
+        } else {
+            of_box.iter().filter_map(|(index, share)| Some((texel(*index)?, *share))).collect()
+        };
         if !shares.is_sorted_by_key(|(texel, _)| *texel) {
             // Stable, so that shares of one texel are added in the order they came in.
             shares.sort_by_key(|(texel, _)| *texel);

@@ -84,6 +84,34 @@ fn two_runs_into_one_folder_at_once_do_not_mix() {
     good(&command(at, &SMALL).args(["-f", "point", "-o", "out"]).output().unwrap());
 }
 
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_the_filters_that_were_finished() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let run = ["run", "floor", "walk", "-o", "out"];
+    let child = command(at, &run).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let begin = std::time::Instant::now();
+    while !at.join("out/floor/truth.png").exists() {
+        assert!(begin.elapsed().as_secs() < 120, "the first scene never begins");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let kill = format!("kill -INT {}", child.id());
+    assert!(std::process::Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("interrupted; what was finished is in out"), "{message}");
+    let report: serde_json::Value = serde_json::from_slice(&fs::read(at.join("out/report.json")).unwrap()).unwrap();
+    assert_eq!(report["scenes"].as_array().unwrap().len(), 1);
+    let finished = report["scenes"][0]["filters"].as_array().unwrap();
+    assert!(finished.len() < Filter::ALL.len() + 1, "all were finished");
+    for filter in finished {
+        let name = filter["filter"].as_str().unwrap();
+        assert!(image::open(at.join(format!("out/floor/{name}.png"))).is_ok(), "{name}");
+    }
+}
+
 #[test]
 fn json_on_standard_output_is_the_report_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
