@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 use texunit_hw::{
-    Filter, Format, LodSource, Request, Sampler, Unit,
+    Filter, LodSource, Request, Sampler, Unit,
     timing::{Histograms, PlaneTiming, Timing, TimingCounters, TimingObserver},
 };
 
@@ -14,7 +14,6 @@ use crate::{
     machine::Machine,
     names::Named,
     scene::{Fragment, Scene},
-    texture_memory::Decompress,
     texture_memory::TextureMemory,
 };
 
@@ -107,10 +106,6 @@ impl<'s> TimedBench<'s> {
     /// # Errors
     /// A pyramid that cannot be made or laid out.
     pub fn new(scene: &'s Scene, machine: &'s Machine, filters: &[Filter]) -> Result<Self> {
-        if machine.texture.decompress == Decompress::BeforeCache && machine.texture.format != Format::Rgba8 {
-            let problem = "there is no decompressor in the machine in time, whose fills are whole lines";
-            return Err(Error::setting("texture.decompress", "before-cache", problem, "time it with after-cache"));
-        }
         let texture = scene.texture.texture_image();
         let pyramids = Pyramids::for_filters(machine, &texture, filters)?;
         Ok(Self { machine, scene, fragments: scene.fragments().collect(), pyramids, size: scene.texture.size() })
@@ -152,7 +147,7 @@ pub fn time_requests<O: TimingObserver>(
     let wrong = |problem: String| Error::setting("machine", &machine.name, problem, "change the machine");
     let mut unit = Unit::new(sampler, surface, &memory.bytes).map_err(|error| wrong(error.to_string()))?;
     let texels = if filter == Filter::Point { 1 } else { 4 };
-    let cache = cache(machine, surface.bytes_per_read())?;
+    let cache = memory.behind(cache(machine, surface.bytes_per_read())?);
     // An entry of a summed-area table or a block is read whole: its banks are as wide as it is (docs/timing.md).
     let mut parameters = machine.timing.parameters();
     parameters.data_bank_bytes = parameters.data_bank_bytes.max(surface.bytes_per_read().next_power_of_two());
@@ -176,7 +171,7 @@ pub fn time_requests<O: TimingObserver>(
         histograms: *timing.histograms(),
         epochs,
         bytes_requested: timing.cache().counters().bytes_requested,
-        energy: machine.energy.of(&counters, [word, machine.cache.line], texels, memory.channels),
+        energy: machine.energy.of(&counters, word, texels, memory.channels),
     };
     Ok((timed, timing.into_observer()))
 }

@@ -22,7 +22,7 @@ mod tap_reads;
 pub use banks::BankHash;
 pub use counters::{HISTOGRAM_MAX, Histograms, PlaneTiming, TimingCounters};
 pub use dram::{DramParameters, Mapping, Page, Row};
-pub use events::{FillTimes, RequestTimes, TapTimes, TimingObserver};
+pub use events::{FillTimes, RequestTimes, StoredFetch, TapTimes, TimingObserver};
 pub use memory::Fetch;
 pub use parameters::{MainMemory, MemoryParameters, Mode, Parameters, SecondLevelParameters, TimingError};
 

@@ -1,10 +1,13 @@
 //! What a miss sets going: its places in the reorder buffer, the miss-status entries and the miss queue, and the memory.
 
+use alloc::vec::Vec;
+
 use super::{
     TimingBuildError,
     counters::{PlaneTiming, Spread},
     decompressor::Decompressor,
     dram::Row,
+    events::StoredFetch,
     memory::{Ask, Fetch, Memory},
     miss_status::MissStatus,
     parameters::{MemoryParameters, Mode, Parameters},
@@ -29,6 +32,8 @@ pub(super) struct Misses {
     pub(super) port: Ledger,
     /// In blocking mode, the first clock the next access can be made in.
     pub(super) unblocked: u64,
+    /// What the decompressor asked for to fill the last line.
+    stored: Vec<StoredFetch>,
     /// Clocks of the misses of the tap at hand.
     clocks: [u64; READS_MAX],
     pub(super) stalls: MissStalls,
@@ -70,6 +75,7 @@ impl Misses {
             status: MissStatus::new(p.miss_status, p.merges, geometry.lines() as usize),
             port: Ledger::default(),
             unblocked: 0,
+            stored: Vec::new(),
             clocks: [0; READS_MAX],
             stalls: MissStalls::default(),
             fill_latency: Spread::default(),
@@ -153,15 +159,21 @@ impl Misses {
         row: &mut PlaneTiming,
     ) -> Fetch {
         let mut came = 0;
-        let mut last = None;
+        self.stored.clear();
         for Piece { address, bytes } in decompressor.requests(line) {
             let fetch = self.fetch(self.memory.ask(address, bytes), at_port, row);
             came = came.max(fetch.filled);
             row.bytes_fetched += u64::from(bytes);
-            last = Some(fetch);
+            self.stored.push(StoredFetch { address, bytes, fetch });
         }
-        let last = last.expect("a line with a texel, behind which something is stored");
-        Fetch { filled: decompressor.decompress(line, came), ..last }
+        let last = self.stored.last().expect("a line with a texel, behind which something is stored");
+        Fetch { filled: decompressor.decompress(line, came), ..last.fetch }
+    }
+
+    /// What the decompressor asked for to fill the last line; nothing without one.
+    #[inline(always)]
+    pub(super) fn stored(&self) -> &[StoredFetch] {
+        &self.stored
     }
 
     /// The tap at hand, which missed `count` lines, is read in clock `data`.

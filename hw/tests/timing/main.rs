@@ -13,7 +13,7 @@ use texunit_hw::{
     decompression::{Decompressed, StoredLines},
     timing::{
         BankHash, DramParameters, FillTimes, MainMemory, Mapping, MemoryParameters, Mode, Page, Parameters,
-        RequestTimes, SecondLevelParameters, TapTimes, Timing, TimingCounters, TimingObserver,
+        RequestTimes, SecondLevelParameters, StoredFetch, TapTimes, Timing, TimingCounters, TimingObserver,
     },
 };
 
@@ -168,11 +168,14 @@ struct Recorder {
     requests: Vec<[u64; 3]>,
     taps: Vec<TapClocks>,
     misses: Vec<MissClocks>,
+    /// What was asked of memory for a decompressor: clock, address, bytes.
+    requested: Vec<(u64, u64, u64)>,
 }
 
 impl TimingObserver for &mut Recorder {
-    fn fill(&mut self, fill: FillTimes) {
+    fn fill(&mut self, fill: FillTimes, stored: &[StoredFetch]) {
         assert_eq!(fill.tap, self.taps.len() as u64);
+        self.requested.extend(stored.iter().map(|one| (one.fetch.taken, one.address, one.bytes.into())));
         self.misses.push(MissClocks {
             address: fill.address,
             access: fill.access,
@@ -238,6 +241,8 @@ fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
         assert_eq!(recorder.taps, log.taps, "taps");
         assert_eq!(recorder.misses, log.misses, "misses");
         assert_eq!(recorder.requests, log.requests, "requests");
+        let requested = if machine.stored.is_some() { &log.requested[..] } else { &[] };
+        assert_eq!(recorder.requested, requested, "requests to memory");
     }
     for ((name, _), value) in TimingCounters::FIELDS.iter().zip(counters.values()) {
         assert_eq!(value, log.counters.get(*name).copied().unwrap_or(0), "{name}");

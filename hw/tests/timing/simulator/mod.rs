@@ -83,6 +83,8 @@ pub struct Log {
     pub requests: Vec<[u64; 3]>,
     pub taps: Vec<TapClocks>,
     pub misses: Vec<MissClocks>,
+    /// Requests to memory: clock taken, address, bytes.
+    pub requested: Vec<(u64, u64, u64)>,
     pub counters: BTreeMap<String, u64>,
 }
 

@@ -31,6 +31,7 @@ impl Simulator<'_> {
         {
             if self.memory.take(self.t, id, wanted) {
                 self.misses[miss].taken = self.t;
+                self.log.requested.push((self.t, wanted.address, wanted.bytes));
                 self.untaken.pop_front();
                 if is_last {
                     self.miss_queue.give_back();
