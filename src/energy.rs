@@ -96,18 +96,19 @@ impl EnergyTable {
         }
     }
 
-    /// The energy of a run. `word` bytes a word of the data banks, `line` bytes a line, `texels` a tap (1 or 4), of which so many
-    /// `channels` are filtered.
+    /// The energy of a run. `word` bytes a word of the data banks, `texels` a tap (1 or 4), of which so many `channels` are filtered. That
+    /// of a decompressor is not in it.
     #[must_use]
-    pub fn of(&self, counters: &TimingCounters, [word, line]: [u32; 2], texels: u32, channels: u8) -> Energy {
+    pub fn of(&self, counters: &TimingCounters, word: u32, texels: u32, channels: u8) -> Energy {
         let many = |count: u64| count as f64;
+        let from_second_level = if counters.second_level_lookups > 0 { counters.bytes_fetched } else { 0 };
         let lerps = if texels == 1 { 0.0 } else { 3.0 };
         let channel = lerps * (2.0 * self.multiply + self.add) + self.multiply + self.add;
         Energy {
             tags: many(counters.fetches_ok + counters.fetches_failed) * self.tag_access,
             data: many(counters.data_words * u64::from(word)) * self.data_read_byte,
             fills: many(counters.bytes_filled) * self.data_write_byte,
-            second_level: many(counters.second_level_lookups * u64::from(line)) * self.second_level_byte,
+            second_level: many(from_second_level) * self.second_level_byte,
             memory: many(counters.memory_bytes) * self.memory_byte
                 + many(counters.row_misses + counters.row_conflicts) * self.row_activation,
             datapath: many(counters.taps) * f64::from(channels) * channel,

@@ -1,12 +1,12 @@
 //! A texture in the chip's memory: planes in a format, laid out as bytes (docs/numerics.md, section 10).
 
-use std::borrow::Cow;
+use std::{borrow::Cow, sync::Arc};
 
 use serde::Serialize;
 use texunit_hw::{
     Format, Layout, PyramidKind, Surface,
     cache::TexelCache,
-    decompression::{decompress, fill_bytes},
+    decompression::{Decompressed, StoredLines, decompress},
     memory::store_plane,
     sat::store_table,
     surface::planes_of,
@@ -146,8 +146,9 @@ impl TextureMemory {
     pub fn behind(&self, cache: TexelCache) -> TexelCache {
         match &self.compressed {
             Some(stored) => {
-                let fills = fill_bytes(stored, &self.surface, cache.cache().geometry().line);
-                cache.with_fill_bytes(fills)
+                let texture = Decompressed { held: (&self.surface, 0), stored: (stored, 0) };
+                let line = cache.cache().geometry().line;
+                cache.with_decompressor(Arc::new(StoredLines::new(line, [texture])))
             }
             None => cache,
         }

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 use texunit_hw::{
-    Filter, Format, LodSource, Request, Sampler, Unit,
+    Filter, LodSource, Request, Sampler, Unit,
     cache::Detail,
     timing::{Histograms, PlaneTiming, Timing, TimingCounters, TimingObserver},
 };
@@ -15,7 +15,6 @@ use crate::{
     machine::Machine,
     names::Named,
     scene::Scene,
-    texture_memory::Decompress,
     texture_memory::TextureMemory,
 };
 
@@ -106,10 +105,6 @@ impl<'s> TimedBench<'s> {
     /// # Errors
     /// A pyramid that cannot be made or laid out.
     pub fn new(scene: &'s Scene, machine: &'s Machine, filters: &[Filter]) -> Result<Self> {
-        if machine.texture.decompress == Decompress::BeforeCache && machine.texture.format != Format::Rgba8 {
-            let problem = "there is no decompressor in the machine in time, whose fills are whole lines";
-            return Err(Error::setting("texture.decompress", "before-cache", problem, "time it with after-cache"));
-        }
         let pyramids = Pyramids::for_filters(machine, &scene.texture.texture_image(), filters)?;
         Ok(Self { machine, scene, pyramids })
     }
@@ -185,7 +180,7 @@ fn time_blocks<O: TimingObserver>(
     let texels = if filter == Filter::Point { 1 } else { 4 };
     // Time does not ask why a line is missed, nor what of it is used.
     let detail = Detail { classes: false, line_use: false };
-    let cache = cache_that_keeps(detail, machine, surface.bytes_per_read())?;
+    let cache = memory.behind(cache_that_keeps(detail, machine, surface.bytes_per_read())?);
     // An entry of a summed-area table or a block is read whole: its banks are as wide as it is (docs/timing.md).
     let mut parameters = machine.timing.parameters();
     parameters.data_bank_bytes = parameters.data_bank_bytes.max(surface.bytes_per_read().next_power_of_two());
@@ -219,7 +214,7 @@ fn time_blocks<O: TimingObserver>(
         histograms: *timing.histograms(),
         epochs,
         bytes_requested: timing.cache().counters().bytes_requested,
-        energy: machine.energy.of(&counters, [word, machine.cache.line], texels, memory.channels),
+        energy: machine.energy.of(&counters, word, texels, memory.channels),
     };
     Ok((timed, timing.into_observer()))
 }

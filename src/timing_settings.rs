@@ -104,6 +104,10 @@ section! {
             data_latency,
             /// Clocks of the datapath.
             filter_latency,
+            /// Clocks of the decompressor, where texture.decompress is before-cache.
+            decompress_latency,
+            /// Texels a clock of it.
+            decompress_texels_per_clock,
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use texunit::{
+    experiment::{Bench, Outcome, Pyramids, Stage},
     machine::{Machine, PROFILES},
     scene::Scene,
     timed_run::{Timed, TimedBench},
@@ -199,8 +200,7 @@ fn the_memory_trace_holds_each_request_to_memory_once_in_order() {
     for machine in ["herf-12.20", "desktop"] {
         let machine = Machine::load(machine, &[]).unwrap();
         let (timed, recording) = record(&machine, Filter::Bilinear);
-        let trace =
-            written(|writer| memory_trace::write(writer, &recording.fills, 128, 128, memory_trace::Format::Dramsim3));
+        let trace = written(|writer| memory_trace::write(writer, &recording, 128, 128, memory_trace::Format::Dramsim3));
         let rows: Vec<(u64, u64)> = trace
             .lines()
             .map(|line| {
@@ -213,7 +213,7 @@ fn the_memory_trace_holds_each_request_to_memory_once_in_order() {
         assert!(rows.windows(2).all(|pair| pair[0].1 < pair[1].1));
         assert!(rows.iter().all(|row| row.0 % 128 == 0));
         let loads =
-            written(|writer| memory_trace::write(writer, &recording.fills, 128, 128, memory_trace::Format::Ramulator2));
+            written(|writer| memory_trace::write(writer, &recording, 128, 128, memory_trace::Format::Ramulator2));
         assert!(loads.lines().all(|line| line.starts_with("LD 0x")));
         assert_eq!(loads.lines().count(), rows.len());
     }
@@ -224,7 +224,7 @@ fn blocks_longer_than_a_line_of_the_memory_trace_moves_become_several_lines_and_
     for (name, block) in [("herf-12.20", 64), ("desktop", 128)] {
         let (timed, recording) = record(&Machine::load(name, &[]).unwrap(), Filter::Bilinear);
         let trace =
-            written(|writer| memory_trace::write(writer, &recording.fills, block, 32, memory_trace::Format::Dramsim3));
+            written(|writer| memory_trace::write(writer, &recording, block, 32, memory_trace::Format::Dramsim3));
         let rows: Vec<(u64, &str)> = trace
             .lines()
             .map(|line| {
@@ -236,5 +236,68 @@ fn blocks_longer_than_a_line_of_the_memory_trace_moves_become_several_lines_and_
         for block in rows.chunks(block as usize / 32) {
             assert!(block.windows(2).all(|pair| pair[1] == (pair[0].0 + 32, pair[0].1)), "{name}: {block:?}");
         }
+    }
+}
+
+/// The machine with textures of blocks in tiles, decompressed before or after the cache.
+fn stored(machine: &str, settings: &[&str]) -> Machine {
+    let all = ["texture.layout=tiled-4x4"].iter().chain(settings).map(|setting| (*setting).to_owned());
+    Machine::load(machine, &all.collect::<Vec<_>>()).unwrap()
+}
+
+fn outcome(machine: &Machine, filter: Filter) -> Outcome {
+    let stage = Stage::new(Scene { size: [120, 90], ..small_floor() });
+    let pyramids = Pyramids::for_filters(machine, &stage.texture, &[filter]).unwrap();
+    let (pyramid, memory) = pyramids.of(filter);
+    Bench::new(&stage, machine, filter, pyramid, memory).measure(machine).unwrap()
+}
+
+const BEFORE_CACHE: &str = "texture.decompress=before-cache";
+
+#[test]
+fn a_decompressor_before_the_cache_has_time_move_the_bytes_that_the_cache_counts() {
+    let texels = outcome(&stored("herf-12.20", &[]), Filter::Trilinear).timed;
+    // A line of 16 texels in a tile of 4 x 4 is one block.
+    for (format, bytes_a_line) in [("bc1", 8), ("bc3", 16), ("bc7", 16)] {
+        let format = format!("texture.format={format}");
+        let before = outcome(&stored("herf-12.20", &[&format, BEFORE_CACHE]), Filter::Trilinear);
+        let c = before.timed.counters;
+        assert_eq!(c.fills, texels.counters.fills, "{format}: the cache holds the same texels");
+        assert!(c.fills > 100 && before.timed.energy.memory < texels.energy.memory / 3.0, "{format}");
+        assert_eq!((c.bytes_filled, c.bytes_fetched), (before.counters.bytes_filled, before.counters.bytes_fetched));
+        assert_eq!((c.memory_bytes, c.memory_requests), (c.fills * bytes_a_line, c.fills), "{format}");
+        assert_eq!(c.decompressor_busy, c.fills, "{format}: a line a clock");
+    }
+}
+
+#[test]
+fn a_line_of_four_blocks_in_a_row_costs_their_bytes_in_one_request_and_a_slow_decompressor_costs_clocks() {
+    let bc1 = ["texture.format=bc1", "texture.layout=row-major"];
+    let before = outcome(&stored("herf-12.20", &[bc1[0], bc1[1], BEFORE_CACHE]), Filter::Bilinear);
+    let c = before.timed.counters;
+    assert_eq!(c.bytes_fetched, before.counters.bytes_fetched);
+    assert!(c.bytes_fetched > 3 * 8 * c.fills, "{} of {}", c.bytes_fetched, c.fills);
+    assert_eq!(c.memory_requests, c.fills, "side by side");
+    let slow = ["timing.decompress-texels-per-clock=1", "timing.decompress-latency=9"];
+    let slow = outcome(&stored("herf-12.20", &[bc1[0], bc1[1], BEFORE_CACHE, slow[0], slow[1]]), Filter::Bilinear);
+    assert_eq!(slow.timed.counters.decompressor_busy, 16 * c.fills);
+    assert!(slow.timed.counters.cycles > c.cycles);
+    assert_eq!((slow.counters, slow.responses), (before.counters, before.responses));
+}
+
+#[test]
+fn what_a_decompressor_asks_of_memory_is_in_the_memory_trace_and_the_value_change_dump() {
+    let settings = ["texture.format=bc1", "texture.layout=morton", BEFORE_CACHE];
+    for name in ["herf-12.20", "desktop"] {
+        let machine = stored(name, &settings);
+        let (timed, recording) = record(&machine, Filter::Trilinear);
+        let c = timed.counters;
+        let moves = if name == "desktop" { machine.memory.second_level.line } else { 8 };
+        let trace =
+            written(|writer| memory_trace::write(writer, &recording, moves, moves, memory_trace::Format::Dramsim3));
+        assert_eq!(trace.lines().count() as u64 * u64::from(moves), c.memory_bytes, "{name}");
+        let dump = written(|writer| vcd::write(writer, &recording));
+        assert_eq!(recording.stored.len() as u64, c.miss_port_busy, "{name}");
+        assert!(dump.contains("miss_port"));
     }
 }

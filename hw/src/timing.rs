@@ -7,6 +7,7 @@
 mod banks;
 mod counters;
 mod data_banks;
+mod decompressor;
 mod dram;
 mod events;
 mod memory;
@@ -21,7 +22,7 @@ mod tap_reads;
 pub use banks::BankHash;
 pub use counters::{HISTOGRAM_MAX, Histograms, PlaneTiming, TimingCounters};
 pub use dram::{DramParameters, Mapping, Page, Row};
-pub use events::{FillTimes, RequestTimes, TapTimes, TimingObserver};
+pub use events::{FillTimes, RequestTimes, StoredFetch, TapTimes, TimingObserver};
 pub use memory::Fetch;
 pub use parameters::{MainMemory, MemoryParameters, Mode, Parameters, SecondLevelParameters, TimingError};
 
@@ -99,7 +100,8 @@ pub struct Timing<O = ()> {
 }
 
 impl<O: TimingObserver> Timing<O> {
-    /// A machine at rest with this cache, for taps of at most `reads_per_tap` reads.
+    /// A machine at rest with this cache, for taps of at most `reads_per_tap` reads. A decompressor stands before the cache where the cache
+    /// was told so ([`TexelCache::with_decompressor`]).
     ///
     /// # Errors
     /// A machine that cannot run, or would hang.
@@ -124,7 +126,7 @@ impl<O: TimingObserver> Timing<O> {
             },
             single: Pipeline::is_single(&p),
             pipeline: Pipeline::new(&p),
-            misses: Misses::new(&p, memory, geometry)?,
+            misses: Misses::new(&p, memory, &cache)?,
             observer,
             planes: Vec::new(),
             histograms: Histograms::default(),
@@ -139,7 +141,8 @@ impl<O: TimingObserver> Timing<O> {
     /// Times one request: its taps in order, each with its plane and the addresses it reads.
     ///
     /// # Panics
-    /// If a tap has more reads than the machine was built for, or than any tap has.
+    /// If a tap has more reads than the machine was built for, or than any tap has; with a decompressor, if it reads where nothing is
+    /// stored.
     pub fn request<'a>(&mut self, taps: impl IntoIterator<Item = (usize, &'a [u64])>) {
         let mut gathered = core::mem::take(&mut self.gathered);
         gathered.clear();
@@ -207,6 +210,7 @@ impl<O: TimingObserver> Timing<O> {
         c.fetches_skipped = c.reads - c.fetches_ok - c.fetches_failed;
         c.fills = c.fetches_failed;
         c.bytes_filled = c.fills << self.line_shift;
+        c.bytes_fetched = c.bytes_filled;
         c.stall_address = c.sequencer_stall_tap_fifo;
         c.stall_fetch = c.tag_stall_merge
             + c.tag_stall_reorder_buffer
@@ -247,6 +251,13 @@ impl<O: TimingObserver> Timing<O> {
         (c.request_latency_sum, c.request_latency_min, c.request_latency_max) = spread(&pipe.request_latency);
         (c.fill_latency_sum, c.fill_latency_min, c.fill_latency_max) = spread(&misses.fill_latency);
 
+        c.decompressor_idle = cycles;
+        if let Some(decompressor) = &misses.decompressor {
+            c.bytes_fetched = decompressor.bytes;
+            c.decompressor_busy = decompressor.busy;
+            c.decompressor_idle -= decompressor.busy;
+            c.decompressor_wait_sum = decompressor.wait;
+        }
         (c.second_level_lookups, c.second_level_hits) = misses.memory.second_level();
         c.second_level_misses = c.second_level_lookups - c.second_level_hits;
         c.memory_requests = misses.memory.requests();
@@ -260,8 +271,12 @@ impl<O: TimingObserver> Timing<O> {
     /// The same per plane, up to the highest plane read so far.
     #[must_use]
     pub fn planes(&self) -> Vec<PlaneTiming> {
-        let line = self.line_shift;
-        self.planes.iter().map(|row| PlaneTiming { bytes_filled: row.fetches_failed << line, ..*row }).collect()
+        let of = |row: &PlaneTiming| {
+            let bytes_filled = row.fetches_failed << self.line_shift;
+            let bytes_fetched = if self.misses.decompressor.is_some() { row.bytes_fetched } else { bytes_filled };
+            PlaneTiming { bytes_filled, bytes_fetched, ..*row }
+        };
+        self.planes.iter().map(of).collect()
     }
 
     /// Requests by taps, planes and probes.

@@ -166,7 +166,7 @@ fn write_events(args: &Args, machine: &Machine, recording: &Recording) -> Result
         let block = if second.enabled { second.line } else { machine.cache.line };
         let bytes = args.memory_trace_bytes.unwrap_or(block);
         let format = args.memory_trace_format;
-        write_whole(path, |writer| memory_trace::write(writer, &recording.fills, block, bytes, format))?;
+        write_whole(path, |writer| memory_trace::write(writer, recording, block, bytes, format))?;
     }
     Ok(())
 }

@@ -113,8 +113,8 @@ pub struct Outcome {
     pub against_truth: Deviation,
     /// Deviation from the unquantised filter.
     pub against_ideal: Deviation,
-    /// What it took in time; none where a decompressor stands before the cache, which the machine in time has not.
-    pub timed: Option<Timed>,
+    /// What it took in time.
+    pub timed: Timed,
     /// The same without what is not needed, where that was asked for.
     pub left_out: Option<LeftOut>,
     /// What the eye sees of the difference from the ground truth.
@@ -243,7 +243,7 @@ impl<'s> Bench<'s> {
             first_mismatch,
             against_truth: self.against_truth(&responses),
             against_ideal: self.against_ideal(&responses)?,
-            timed: if self.memory.is_decompressed() { None } else { Some(self.time(machine)?) },
+            timed: self.time(machine)?,
             left_out: None,
             quality: ImageQuality::of(self.stage, &responses),
             host_seconds,

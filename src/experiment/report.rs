@@ -12,7 +12,6 @@ use crate::{
     names::Named,
     needs::{self, LeftOut},
     report::table::framed,
-    timed_run::Timed,
 };
 
 /// Version of the shape of report.json; it grows when a field changes its meaning or goes away.
@@ -96,7 +95,7 @@ pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
     metrics
         .extend(deviation_metrics(["rmse_ideal", "psnr_ideal", "worst_ideal", "mean_ideal"], &outcome.against_ideal));
     metrics.extend(outcome.quality.metrics());
-    metrics.extend(outcome.timed.iter().flat_map(Timed::metrics));
+    metrics.extend(outcome.timed.metrics());
     metrics.extend(outcome.left_out.iter().flat_map(LeftOut::metrics));
     metrics
 }

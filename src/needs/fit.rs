@@ -129,10 +129,6 @@ impl Fit {
     /// # Errors
     /// A machine that cannot be built or timed.
     pub fn find(scene: &Scene, machine: &Machine, filter: Filter, loss: Loss) -> Result<Self> {
-        if machine.texture.decompresses_before_cache() {
-            let problem = "there is no decompressor in the machine in time";
-            return Err(Error::setting("texture.decompress", "before-cache", problem, "fit it with after-cache"));
-        }
         let texture = scene.texture.texture_image();
         let requests = requests(scene, machine, filter);
         let sampler = machine.sampler(filter, scene.texture.wrap, LodSource::Gradient);

@@ -27,10 +27,10 @@ pub struct Cost {
     pub bytes_requested: u64,
     /// Bytes fetched from memory.
     pub bytes_fetched: u64,
-    /// Clocks; none where a decompressor stands before the cache.
-    pub cycles: Option<u64>,
-    /// Picojoules, an estimate; none like clocks.
-    pub energy_pj: Option<f64>,
+    /// Clocks.
+    pub cycles: u64,
+    /// Picojoules, an estimate.
+    pub energy_pj: f64,
     /// Seconds of this host to compute the planes and lay them out.
     pub prepare_seconds: f64,
     /// Seconds of this host for texels and exact cache, one thread, the best of some runs.
@@ -99,18 +99,18 @@ impl LeftOut {
         let mut metrics = Vec::new();
         for (names, cost) in [(&NAMES[0], &self.without), (&NAMES[1], &self.with)] {
             let values = [
-                Some(cost.planes as f64),
-                Some(cost.memory_bytes as f64),
-                Some(cost.reads as f64 * per_request),
-                Some(cost.bytes_requested as f64 * per_request),
-                Some(cost.bytes_fetched as f64 * per_request),
-                cost.cycles.map(|cycles| cycles as f64 * per_request),
-                cost.energy_pj.map(|energy| energy * per_request),
-                Some(cost.prepare_seconds * 1e3),
-                Some(cost.host_seconds * 1e9 * per_request),
+                cost.planes as f64,
+                cost.memory_bytes as f64,
+                cost.reads as f64 * per_request,
+                cost.bytes_requested as f64 * per_request,
+                cost.bytes_fetched as f64 * per_request,
+                cost.cycles as f64 * per_request,
+                cost.energy_pj * per_request,
+                cost.prepare_seconds * 1e3,
+                cost.host_seconds * 1e9 * per_request,
             ];
             let named = names.iter().zip(UNITS).zip(values);
-            metrics.extend(named.map(|((&name, unit), value)| Metric { name, value, unit }));
+            metrics.extend(named.map(|((&name, unit), value)| Metric { name, value: Some(value), unit }));
         }
         metrics
     }
@@ -166,18 +166,15 @@ fn run(
         counters = Some(cache.counters());
     }
     let counters = counters.unwrap_or_default();
-    let timed = match memory.is_decompressed() {
-        true => None,
-        false => Some(time_requests(machine, sampler, memory, requests)?),
-    };
+    let timed = time_requests(machine, sampler, memory, requests)?;
     let cost = Cost {
         planes: surface.planes.iter().filter(|plane| plane.held).count() as u64,
         memory_bytes: memory.stored_bytes(),
         reads: counters.lookups,
         bytes_requested: counters.bytes_requested,
         bytes_fetched: counters.bytes_fetched,
-        cycles: timed.as_ref().map(|timed| timed.counters.cycles),
-        energy_pj: timed.as_ref().map(|timed| timed.energy.total()),
+        cycles: timed.counters.cycles,
+        energy_pj: timed.energy.total(),
         prepare_seconds: begin.elapsed().as_secs_f64(),
         host_seconds,
     };

@@ -178,22 +178,21 @@ pub fn left_out_table(rows: &[&LeftOut]) -> Table {
     for left_out in rows {
         let LeftOut { needs, plan, channels, needs_seconds, without, with, differing } = left_out;
         let per_pixel = |value: f64| value / needs.requests.max(1) as f64;
-        let change = |digits: usize, of: &dyn Fn(&super::Cost) -> Option<f64>| {
-            let [whole, needed] =
-                [without, with].map(|cost| of(cost).map_or_else(|| "-".into(), |n| format!("{n:.digits$}")));
+        let change = |digits: usize, of: &dyn Fn(&super::Cost) -> f64| {
+            let [whole, needed] = [without, with].map(|cost| format!("{:.digits$}", of(cost)));
             if whole == needed { whole } else { format!("{needed} of {whole}") }
         };
         table.add_row([
             needs.filter.name().to_owned(),
             plan.sampler.filter.name().to_owned(),
-            change(0, &|cost| Some(cost.planes as f64)),
+            change(0, &|cost| cost.planes as f64),
             channels.to_string(),
-            change(0, &|cost| Some(cost.memory_bytes as f64 / 1024.0)),
-            change(1, &|cost| Some(per_pixel(cost.bytes_requested as f64))),
-            change(2, &|cost| Some(per_pixel(cost.bytes_fetched as f64))),
-            change(2, &|cost| cost.cycles.map(|cycles| per_pixel(cycles as f64))),
-            change(1, &|cost| Some(cost.prepare_seconds * 1e3)),
-            change(0, &|cost| Some(per_pixel(cost.host_seconds * 1e9))),
+            change(0, &|cost| cost.memory_bytes as f64 / 1024.0),
+            change(1, &|cost| per_pixel(cost.bytes_requested as f64)),
+            change(2, &|cost| per_pixel(cost.bytes_fetched as f64)),
+            change(2, &|cost| per_pixel(cost.cycles as f64)),
+            change(1, &|cost| cost.prepare_seconds * 1e3),
+            change(0, &|cost| per_pixel(cost.host_seconds * 1e9)),
             format!("{:.0}", per_pixel(needs_seconds * 1e9)),
             differing.to_string(),
         ]);

@@ -1,11 +1,12 @@
 //! A stream through the unit: one cache, one clock, many textures.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 use rayon::prelude::*;
 use texunit_hw::{
     AddressMode, Filter, Layout, LodSource, PyramidKind, Request, Response, Sampler, Unit,
     cache::{Counters, PlaneCounters},
+    decompression::{Decompressed, StoredLines},
     timing::{Timing, TimingCounters},
 };
 
@@ -61,7 +62,9 @@ pub struct StreamOutcome {
 #[derive(Debug)]
 struct Placing {
     held: Held,
+    /// Where it begins for the cache, and in memory, which differ where a decompressor stands between.
     base: u64,
+    stored_base: u64,
 }
 
 /// One texture through one filter, ready to run.
@@ -110,7 +113,7 @@ impl<'s> StreamRun<'s> {
         };
         let mut known: BTreeMap<(usize, Filter), (usize, FrontEnd)> = BTreeMap::new();
         let mut placed: BTreeMap<(usize, PyramidKind), usize> = BTreeMap::new();
-        let (mut base, mut planes) = (0, 0);
+        let (mut base, mut stored_base, mut planes) = (0, 0, 0);
         for request in &stream.requests {
             let filter = request.filter.unwrap_or(filter);
             let key = (request.texture, filter);
@@ -123,9 +126,11 @@ impl<'s> StreamRun<'s> {
                             let held =
                                 machine.texture.hold(filter.pyramid(), &stream.textures[request.texture].image)?;
                             let placing = run.placings.len();
-                            let next = (base + held.memory.surface.bytes).next_multiple_of(TEXTURE_ALIGNMENT);
-                            run.memory += held.memory.stored_bytes();
-                            run.placings.push(Placing { held, base: std::mem::replace(&mut base, next) });
+                            let [bytes, stored] = [held.memory.surface.bytes, held.memory.stored_bytes()];
+                            run.memory += stored;
+                            run.placings.push(Placing { held, base, stored_base });
+                            base = (base + bytes).next_multiple_of(TEXTURE_ALIGNMENT);
+                            stored_base = (stored_base + stored).next_multiple_of(TEXTURE_ALIGNMENT);
                             placed.insert((request.texture, filter.pyramid()), placing);
                             placing
                         }
@@ -173,10 +178,12 @@ impl<'s> StreamRun<'s> {
         let bytes = first.surface.bytes_per_read();
         let planes = self.parts.iter().map(|part| self.placings[part.placing].held.memory.surface.planes.len()).sum();
         let mut counted = cache(self.machine, bytes)?.with_planes(planes);
-        let is_decompressed = self.placings.iter().any(|placing| placing.held.memory.is_decompressed());
-        if is_decompressed {
-            let problem = "fills of a stream of many textures are whole lines";
-            return Err(Error::setting("texture.decompress", "before-cache", problem, "use after-cache"));
+        if first.is_decompressed() {
+            let textures = self.placings.iter().filter_map(|Placing { held, base, stored_base }| {
+                let stored = held.memory.compressed.as_ref()?;
+                Some(Decompressed { held: (&held.memory.surface, *base), stored: (stored, *stored_base) })
+            });
+            counted = counted.with_decompressor(Arc::new(StoredLines::new(self.machine.cache.line, textures)));
         }
         let mut parameters = self.machine.timing.parameters();
         parameters.data_bank_bytes = parameters.data_bank_bytes.max(bytes.next_power_of_two());

@@ -6,7 +6,7 @@ pub mod memory_trace;
 pub mod perfetto;
 pub mod vcd;
 
-use texunit_hw::timing::{FillTimes, RequestTimes, TapTimes, TimingObserver};
+use texunit_hw::timing::{FillTimes, RequestTimes, StoredFetch, TapTimes, TimingObserver};
 
 /// The events of the first requests of a run.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +20,8 @@ pub struct Recording {
     pub taps: Vec<TapTimes>,
     /// Their lines, in order; of all requests if that was asked for.
     pub fills: Vec<FillTimes>,
+    /// What a decompressor asked of memory for them, in order, with the number of the tap; nothing without one.
+    pub stored: Vec<(u64, StoredFetch)>,
 }
 
 impl Recording {
@@ -31,8 +33,23 @@ impl Recording {
 
     /// The lines of the recorded requests only.
     pub fn recorded_fills(&self) -> impl Iterator<Item = &FillTimes> {
-        let end = self.taps.last().map_or(0, |tap| tap.tap + 1);
+        let end = self.end();
         self.fills.iter().take_while(move |fill| fill.tap < end)
+    }
+
+    /// Clock and address of what the memory took of them: lines, or what is stored behind them.
+    fn taken(&self) -> impl Iterator<Item = (u64, u64)> {
+        let end = self.end();
+        let lines = self.recorded_fills().filter(|_| self.stored.is_empty());
+        let parts = self.stored.iter().take_while(move |(tap, _)| *tap < end);
+        lines
+            .map(|fill| (fill.fetch.taken, fill.address))
+            .chain(parts.map(|(_, part)| (part.fetch.taken, part.address)))
+    }
+
+    /// The number of the first tap that was not recorded.
+    fn end(&self) -> u64 {
+        self.taps.last().map_or(0, |tap| tap.tap + 1)
     }
 
     /// Every tap with its request.
@@ -42,9 +59,10 @@ impl Recording {
 }
 
 impl TimingObserver for Recording {
-    fn fill(&mut self, fill: FillTimes) {
+    fn fill(&mut self, fill: FillTimes, stored: &[StoredFetch]) {
         if self.fills_of_all || self.seen < self.limit {
             self.fills.push(fill);
+            self.stored.extend(stored.iter().map(|part| (fill.tap, *part)));
         }
     }
 

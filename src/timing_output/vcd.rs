@@ -25,7 +25,7 @@ pub fn write(writer: &mut dyn Write, recording: &Recording) -> Result<()> {
         ("lod", requests.iter().map(|one| (one.lod, one.request)).collect()),
         ("sequencer", taps.iter().map(|one| (one.issue, one.tap)).collect()),
         ("tag", taps.iter().map(|one| (one.tag, one.tap)).collect()),
-        ("miss_port", recording.recorded_fills().map(|one| (one.fetch.taken, one.address)).collect()),
+        ("miss_port", recording.taken().collect()),
         ("data", taps.iter().map(|one| (one.data, one.tap)).collect()),
         ("datapath", taps.iter().map(|one| (one.datapath, one.tap)).collect()),
         ("result", requests.iter().map(|one| (one.result, one.request)).collect()),

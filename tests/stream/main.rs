@@ -33,18 +33,20 @@ fn small(name: &str) -> Stage {
 
 #[test]
 fn the_stream_of_a_scene_is_the_scene() {
-    let machine = Machine::default();
+    let before_cache = ["texture.format=bc1", "texture.decompress=before-cache"].map(String::from);
+    let machines = [Machine::default(), Machine::default().with_settings(&before_cache).unwrap()];
     let stage = small("floor");
     let stream = stream_of(&stage);
-    for filter in [Filter::Trilinear, Filter::Dipmap, Filter::Feline, Filter::Sat] {
-        let pyramids = Pyramids::for_filters(&machine, &stage.texture, &[filter]).unwrap();
+    let filters = [Filter::Trilinear, Filter::Dipmap, Filter::Feline, Filter::Sat];
+    for (machine, filter) in machines.iter().flat_map(|machine| filters.map(|filter| (machine, filter))) {
+        let pyramids = Pyramids::for_filters(machine, &stage.texture, &[filter]).unwrap();
         let (pyramid, memory) = pyramids.of(filter);
-        let scene = Bench::new(&stage, &machine, filter, pyramid, memory).measure(&machine).unwrap();
-        let run = StreamRun::new(&stream, &machine, filter, stage.scene.texture.wrap).unwrap();
+        let scene = Bench::new(&stage, machine, filter, pyramid, memory).measure(machine).unwrap();
+        let run = StreamRun::new(&stream, machine, filter, stage.scene.texture.wrap).unwrap();
         let outcome = run.measure().unwrap();
         assert_eq!(outcome.responses, scene.responses, "{filter:?}");
         assert_eq!(outcome.counters, scene.counters, "{filter:?}");
-        assert_eq!(outcome.timing, scene.timed.unwrap().counters, "{filter:?}");
+        assert_eq!(outcome.timing, scene.timed.counters, "{filter:?}");
         assert_eq!((outcome.mismatches, outcome.parts.len()), (0, 1));
         assert_eq!(outcome.parts[0].traffic.misses, outcome.counters.misses);
     }
@@ -81,6 +83,30 @@ fn textures_and_filters_share_one_cache_and_are_counted_apart() {
         let mixed = stream.requests.iter().zip(&outcome.responses).filter(|(request, _)| request.texture == texture);
         assert!(mixed.map(|(_, response)| response).eq(&answers.responses));
     }
+}
+
+#[test]
+fn textures_behind_one_decompressor_each_bring_their_own_bytes() {
+    // A cache that nothing falls out of: every line is filled once, whoever shares it.
+    let settings = ["texture.format=bc7", "texture.layout=row-major", "texture.decompress=before-cache"];
+    let settings = settings.iter().chain(&["cache.sets=4096"]).map(|setting| (*setting).to_owned());
+    let machine = Machine::default().with_settings(&settings.collect::<Vec<_>>()).unwrap();
+    let stages = ["rectangle-natural", "rectangle-pane"].map(small);
+    let measure = |which: &[usize]| {
+        let mut stream = Stream::default();
+        for (texture, &stage) in which.iter().enumerate() {
+            stream.textures.extend(stream_of(&stages[stage]).textures);
+            let requests = stages[stage].fragments.iter();
+            stream.requests.extend(requests.map(|&fragment| StreamRequest { fragment, texture, filter: None }));
+        }
+        StreamRun::new(&stream, &machine, Filter::Trilinear, [AddressMode::Wrap; 2]).unwrap().measure().unwrap()
+    };
+    let [both, first, second] = [measure(&[0, 1]), measure(&[0]), measure(&[1])];
+    assert_eq!(both.mismatches, 0);
+    assert_eq!(both.counters.bytes_fetched, first.counters.bytes_fetched + second.counters.bytes_fetched);
+    assert_eq!(both.timing.memory_bytes, both.counters.bytes_fetched);
+    assert!(both.counters.bytes_fetched > both.counters.fills * 3 * 16, "a line of a row is four blocks");
+    assert!(both.timing.decompressor_busy > 0);
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! The cache as the texture unit uses it: texels in, counts per plane out.
 
-use alloc::{vec, vec::Vec};
+use alloc::{sync::Arc, vec, vec::Vec};
 
 use crate::{
     address::Footprint,
     batch::{Batch, Sink},
+    decompression::StoredLines,
 };
 
 use super::{
@@ -61,13 +62,13 @@ struct Meter {
 /// What filling each line takes from memory.
 #[derive(Clone, Debug)]
 struct Fills {
-    by_line: Vec<u32>,
+    behind: Arc<StoredLines>,
     fetched: u64,
 }
 
 impl Fills {
     fn fill(&mut self, line: u64) {
-        self.fetched += u64::from(self.by_line.get(line as usize).copied().unwrap_or(0));
+        self.fetched += self.behind.bytes(line);
     }
 }
 
@@ -117,12 +118,16 @@ impl TexelCache {
         Ok(Self { cache, texel, splitter: Splitter::new(geometry, policy, texel), meter, planes: vec![] })
     }
 
-    /// Has memory behind a decompressor: filling a line fetches as many bytes as its number's entry says, not a line of them
-    /// (see [`crate::decompression::fill_bytes`]).
+    /// Has memory behind a decompressor: filling a line fetches what is stored behind it, not a line of bytes.
     #[must_use]
-    pub fn with_fill_bytes(mut self, by_line: Vec<u32>) -> Self {
-        self.meter.fills = Some(Fills { by_line, fetched: 0 });
+    pub fn with_decompressor(mut self, behind: Arc<StoredLines>) -> Self {
+        self.meter.fills = Some(Fills { behind, fetched: 0 });
         self
+    }
+
+    /// What is stored behind its lines, where a decompressor stands between.
+    pub(crate) fn stored_lines(&self) -> Option<Arc<StoredLines>> {
+        self.meter.fills.as_ref().map(|fills| fills.behind.clone())
     }
 
     /// Counts `planes` planes from the start: more than a batch's surface has, where several textures share the cache and their

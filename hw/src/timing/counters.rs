@@ -46,6 +46,8 @@ counters! {
         fills,
         /// Bytes of these lines.
         bytes_filled,
+        /// Bytes asked of the memory for them: the same, or those stored behind them where a decompressor stands before the cache.
+        bytes_fetched,
         /// Accesses that waited a clock or more for a port of their tag bank.
         tag_bank_conflicts,
         /// Words read from the data banks.
@@ -96,11 +98,11 @@ counters! {
         tag_stall_miss_queue,
         /// Clocks an access waited behind a miss of the blocking cache.
         tag_stall_blocked,
-        /// Clocks the memory took a miss.
+        /// Clocks the memory took a request: a miss, or a part of what is stored behind one.
         miss_port_busy,
         /// Clocks without a miss to hand over.
         miss_port_idle,
-        /// Clocks the memory did not take the miss in front.
+        /// Clocks the memory did not take the request in front.
         miss_port_stall_memory,
         /// Clocks the data unit read or wrote.
         data_busy,
@@ -162,6 +164,12 @@ counters! {
         fill_latency_min,
         /// Longest of these.
         fill_latency_max,
+        /// Clocks the decompressor before the cache worked; 0 without one.
+        decompressor_busy,
+        /// Clocks it did not.
+        decompressor_idle,
+        /// Sum over fills of the clocks from the last of the stored bytes coming to the decompressor beginning.
+        decompressor_wait_sum,
         /// Lookups in the second level; 0 without one.
         second_level_lookups,
         /// Lookups that found their line there.
@@ -202,6 +210,8 @@ counters! {
         fetches_merged,
         /// Bytes of lines brought into the first level.
         bytes_filled,
+        /// Bytes asked of the memory for them.
+        bytes_fetched,
         /// Clocks the data unit waited for lines of its taps.
         stall_wait_read,
         /// Clocks from miss to line, summed over its fills.

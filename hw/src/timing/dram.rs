@@ -150,10 +150,11 @@ impl DramParameters {
         (channel as usize, bank as usize, row)
     }
 
-    /// Clocks of the data bus for a block.
+    /// Clocks of the data bus for the bursts with a byte among so many from an address on.
     #[must_use]
-    pub const fn transfer(&self, block: u32) -> u64 {
-        let bursts = block.div_ceil(self.burst_length * self.bus_bytes) as u64;
+    pub const fn transfer(&self, address: u64, bytes: u32) -> u64 {
+        let burst = self.burst_length as u64 * self.bus_bytes as u64;
+        let bursts = (address % burst + bytes as u64).div_ceil(burst);
         bursts * self.burst_length.div_ceil(self.beats_per_clock) as u64
     }
 }
@@ -190,32 +191,30 @@ struct Channel {
 #[derive(Clone, Debug)]
 pub(super) struct Dram {
     parameters: DramParameters,
-    transfer: u64,
     channels: Vec<Channel>,
     next_take: u64,
 }
 
 impl Dram {
-    pub(super) fn new(parameters: DramParameters, block: u32) -> Self {
+    pub(super) fn new(parameters: DramParameters) -> Self {
         let channel = Channel {
             queue: Fifo::new(parameters.queue),
             banks: vec![Bank::default(); parameters.banks as usize],
             next_begin: 0,
             next_column: 0,
         };
-        Self {
-            parameters,
-            transfer: parameters.transfer(block),
-            channels: vec![channel; parameters.channels as usize],
-            next_take: 0,
-        }
+        Self { parameters, channels: vec![channel; parameters.channels as usize], next_take: 0 }
     }
 
-    pub(super) const fn transfer(&self) -> u64 {
-        self.transfer
+    pub(super) const fn transfer(&self, address: u64, bytes: u32) -> u64 {
+        self.parameters.transfer(address, bytes)
     }
 
-    pub(super) fn fetch(&mut self, address: u64, earliest: u64) -> Fetch {
+    pub(super) fn interleave(&self) -> u64 {
+        self.parameters.interleave.into()
+    }
+
+    pub(super) fn fetch(&mut self, address: u64, transfer: u64, earliest: u64) -> Fetch {
         let p = &self.parameters;
         let [rcd, rp, cas, ras] = [p.trcd, p.trp, p.tcas, p.tras].map(u64::from);
         let (channel, bank, row) = p.place(address);
@@ -234,16 +233,16 @@ impl Dram {
             Row::Conflict => bank.activated = begin.max(bank.activated + ras).max(bank.end) + rp,
         }
         let column = begin.max(bank.activated + rcd).max(channel.next_column);
-        bank.end = column + self.transfer;
+        bank.end = column + transfer;
         match p.page {
             Page::Open => bank.open = Some(row),
             Page::Closed => bank.end = bank.end.max(bank.activated + ras) + rp,
         }
         channel.queue.pass(taken, column + 1);
         channel.next_begin = begin + 1;
-        channel.next_column = column + self.transfer;
+        channel.next_column = column + transfer;
         self.next_take = taken + 1;
-        Fetch { taken, filled: column + cas + self.transfer, row: Some(found), second_level_hit: None }
+        Fetch { taken, filled: column + cas + transfer, row: Some(found), second_level_hit: None }
     }
 
     /// Clocks of places held in all channels, and the most held in one.

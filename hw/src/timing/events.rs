@@ -55,10 +55,21 @@ pub struct FillTimes {
     pub fetch: Fetch,
 }
 
+/// A request for some of what is stored behind a line, where a decompressor stands before the cache.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StoredFetch {
+    /// Address of the first byte in memory.
+    pub address: u64,
+    /// Bytes, which lie in one line of the second level, or one interleave of a DRAM.
+    pub bytes: u32,
+    /// When and how they came, to the decompressor.
+    pub fetch: Fetch,
+}
+
 /// Whoever wants to know.
 pub trait TimingObserver {
-    /// A line on its way.
-    fn fill(&mut self, fill: FillTimes);
+    /// A line on its way. Where it is decompressed on it, also what was asked for; otherwise that was the line and nothing is said of it.
+    fn fill(&mut self, fill: FillTimes, stored: &[StoredFetch]);
     /// A tap that has been timed.
     fn tap(&mut self, tap: TapTimes);
     /// A request that has been timed.
@@ -67,7 +78,7 @@ pub trait TimingObserver {
 
 impl TimingObserver for () {
     #[inline(always)]
-    fn fill(&mut self, _: FillTimes) {}
+    fn fill(&mut self, _: FillTimes, _: &[StoredFetch]) {}
     #[inline(always)]
     fn tap(&mut self, _: TapTimes) {}
     #[inline(always)]
@@ -75,8 +86,8 @@ impl TimingObserver for () {
 }
 
 impl<O: TimingObserver> TimingObserver for &mut O {
-    fn fill(&mut self, fill: FillTimes) {
-        (**self).fill(fill);
+    fn fill(&mut self, fill: FillTimes, stored: &[StoredFetch]) {
+        (**self).fill(fill, stored);
     }
     fn tap(&mut self, tap: TapTimes) {
         (**self).tap(tap);

@@ -9,10 +9,10 @@ use super::{
 };
 use crate::cache::{Cache, Geometry, GeometryError, Outcome, Policy};
 
-/// When and how a line came.
+/// When and how a line came. Where a decompressor asked for it in several requests, how the last of them came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fetch {
-    /// The clock the memory took the request in.
+    /// The clock the memory took the (last) request in.
     pub taken: u64,
     /// The first clock in which the line can be read.
     pub filled: u64,
@@ -22,11 +22,27 @@ pub struct Fetch {
     pub second_level_hit: Option<bool>,
 }
 
+/// What is asked of a memory at once: a line, or a part of what is stored behind one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ask {
+    address: u64,
+    bytes: u32,
+    /// Clocks of the link or bus nearest to whoever asks.
+    transfer: u64,
+}
+
+impl Ask {
+    /// The same at another address.
+    pub(super) const fn at(self, address: u64) -> Self {
+        Self { address, ..self }
+    }
+}
+
 /// Fixed latency and one link.
 #[derive(Clone, Debug)]
 struct Fixed {
     latency: u64,
-    transfer: u64,
+    bytes_per_clock: u32,
     next_take: u64,
     link_free: u64,
 }
@@ -38,27 +54,32 @@ enum Main {
 }
 
 impl Main {
-    fn new(parameters: &MainMemory, block: u32) -> Self {
+    fn new(parameters: &MainMemory) -> Self {
         match *parameters {
-            MainMemory::Fixed { latency, bytes_per_clock } => Self::Fixed(Fixed {
-                latency: latency.into(),
-                transfer: block.div_ceil(bytes_per_clock).into(),
-                next_take: 0,
-                link_free: 0,
-            }),
-            MainMemory::Dram(dram) => Self::Dram(Dram::new(dram, block)),
+            MainMemory::Fixed { latency, bytes_per_clock } => {
+                Self::Fixed(Fixed { latency: latency.into(), bytes_per_clock, next_take: 0, link_free: 0 })
+            }
+            MainMemory::Dram(dram) => Self::Dram(Dram::new(dram)),
         }
     }
 
-    fn fetch(&mut self, address: u64, earliest: u64) -> Fetch {
+    fn ask(&self, address: u64, bytes: u32) -> Ask {
+        let transfer = match self {
+            Self::Fixed(fixed) => bytes.div_ceil(fixed.bytes_per_clock).into(),
+            Self::Dram(dram) => dram.transfer(address, bytes),
+        };
+        Ask { address, bytes, transfer }
+    }
+
+    fn fetch(&mut self, ask: Ask, earliest: u64) -> Fetch {
         match self {
             Self::Fixed(fixed) => {
                 let taken = earliest.max(fixed.next_take);
-                let filled = (taken + fixed.latency).max(fixed.link_free) + fixed.transfer;
+                let filled = (taken + fixed.latency).max(fixed.link_free) + ask.transfer;
                 (fixed.next_take, fixed.link_free) = (taken + 1, filled);
                 Fetch { taken, filled, row: None, second_level_hit: None }
             }
-            Self::Dram(dram) => dram.fetch(address, earliest),
+            Self::Dram(dram) => dram.fetch(ask.address, ask.transfer, earliest),
         }
     }
 }
@@ -67,8 +88,10 @@ impl Main {
 struct SecondLevel {
     cache: Cache,
     latency: u64,
-    transfer: u64,
+    bytes_per_clock: u32,
     miss_queue: Fifo,
+    /// A whole line of its own, at any address.
+    line: Ask,
     /// Clock at which the line of each slot is there.
     arrival: Vec<u64>,
     next_take: u64,
@@ -78,13 +101,14 @@ struct SecondLevel {
 }
 
 impl SecondLevel {
-    fn new(parameters: &SecondLevelParameters, line: u32) -> Result<Self, GeometryError> {
+    fn new(parameters: &SecondLevelParameters, main: &Main) -> Result<Self, GeometryError> {
         let geometry = Geometry { sets: parameters.sets, ways: parameters.ways, line: parameters.line };
         Ok(Self {
             cache: Cache::new(geometry, Policy::Lru)?,
             latency: parameters.latency.into(),
-            transfer: line.div_ceil(parameters.bytes_per_clock).into(),
+            bytes_per_clock: parameters.bytes_per_clock,
             miss_queue: Fifo::new(parameters.miss_queue),
+            line: main.ask(0, parameters.line),
             arrival: vec![0; geometry.lines() as usize],
             next_take: 0,
             link_free: 0,
@@ -93,24 +117,28 @@ impl SecondLevel {
         })
     }
 
-    fn fetch(&mut self, main: &mut Main, address: u64, earliest: u64) -> Fetch {
+    fn ask(&self, address: u64, bytes: u32) -> Ask {
+        Ask { address, bytes, transfer: bytes.div_ceil(self.bytes_per_clock).into() }
+    }
+
+    fn fetch(&mut self, main: &mut Main, ask: Ask, earliest: u64) -> Fetch {
         let mut taken = earliest.max(self.next_take);
         self.lookups += 1;
-        let (ready, row, hit) = match self.cache.access(address) {
+        let (ready, row, hit) = match self.cache.access(ask.address) {
             Outcome::Hit { slot } => {
                 self.hits += 1;
                 ((taken + self.latency).max(self.arrival[slot as usize]), None, true)
             }
             Outcome::Miss { slot, .. } => {
                 taken = taken.max(self.miss_queue.room());
-                let line = u64::from(self.cache.geometry().line);
-                let below = main.fetch(address & !(line - 1), taken + self.latency);
+                let address = ask.address & !(u64::from(self.line.bytes) - 1);
+                let below = main.fetch(self.line.at(address), taken + self.latency);
                 self.miss_queue.pass(taken, below.taken + 1);
                 self.arrival[slot as usize] = below.filled;
                 (below.filled, below.row, false)
             }
         };
-        let filled = ready.max(self.link_free) + self.transfer;
+        let filled = ready.max(self.link_free) + ask.transfer;
         (self.next_take, self.link_free) = (taken + 1, filled);
         Fetch { taken, filled, row, second_level_hit: Some(hit) }
     }
@@ -121,27 +149,49 @@ impl SecondLevel {
 pub(super) struct Memory {
     second_level: Option<SecondLevel>,
     main: Main,
-    /// Bytes asked of the main memory at a time.
-    block: u32,
+    /// Requests to the main memory, their bytes and the clocks of their transfer.
     requests: u64,
+    bytes: u64,
+    transfer_clocks: u64,
     /// Requests by what they found: row hit, miss, conflict.
     rows: [u64; 3],
 }
 
 impl Memory {
-    pub(super) fn new(parameters: &MemoryParameters, line: u32) -> Result<Self, GeometryError> {
-        let block = parameters.second_level.map_or(line, |second| second.line);
-        let second_level = parameters.second_level.map(|second| SecondLevel::new(&second, line)).transpose()?;
-        Ok(Self { second_level, main: Main::new(&parameters.main, block), block, requests: 0, rows: [0; 3] })
+    pub(super) fn new(parameters: &MemoryParameters) -> Result<Self, GeometryError> {
+        let main = Main::new(&parameters.main);
+        let second_level = parameters.second_level.map(|second| SecondLevel::new(&second, &main)).transpose()?;
+        Ok(Self { second_level, main, requests: 0, bytes: 0, transfer_clocks: 0, rows: [0; 3] })
     }
 
-    /// Fetches the line at an address; the memory can be asked from `earliest` on.
-    pub(super) fn fetch(&mut self, address: u64, earliest: u64) -> Fetch {
-        let fetch = match &mut self.second_level {
-            Some(second) => second.fetch(&mut self.main, address, earliest),
-            None => self.main.fetch(address, earliest),
+    /// What fetches so many bytes, which lie together in whatever answers ([`Self::together`]).
+    pub(super) fn ask(&self, address: u64, bytes: u32) -> Ask {
+        match &self.second_level {
+            Some(second) => second.ask(address, bytes),
+            None => self.main.ask(address, bytes),
+        }
+    }
+
+    /// Bytes, of how many on each power of two, that can be asked for at once: a line of the second level, the interleave of a DRAM.
+    pub(super) fn together(&self) -> u64 {
+        match (&self.second_level, &self.main) {
+            (Some(second), _) => second.line.bytes.into(),
+            (None, Main::Dram(dram)) => dram.interleave(),
+            (None, Main::Fixed(_)) => 1 << 32,
+        }
+    }
+
+    /// Fetches what is asked for; the memory can be asked from `earliest` on.
+    pub(super) fn fetch(&mut self, ask: Ask, earliest: u64) -> Fetch {
+        let (fetch, below) = match &mut self.second_level {
+            Some(second) => (second.fetch(&mut self.main, ask, earliest), second.line),
+            None => (self.main.fetch(ask, earliest), ask),
         };
-        self.requests += u64::from(fetch.second_level_hit != Some(true));
+        if fetch.second_level_hit != Some(true) {
+            self.requests += 1;
+            self.bytes += u64::from(below.bytes);
+            self.transfer_clocks += below.transfer;
+        }
         if let Some(row) = fetch.row {
             self.rows[row as usize] += 1;
         }
@@ -155,16 +205,12 @@ impl Memory {
 
     /// Bytes that came from the main memory.
     pub(super) const fn bytes(&self) -> u64 {
-        self.requests * self.block as u64
+        self.bytes
     }
 
     /// Clocks of transfer, over all channels.
     pub(super) const fn transfer_clocks(&self) -> u64 {
-        self.requests
-            * match &self.main {
-                Main::Fixed(fixed) => fixed.transfer,
-                Main::Dram(dram) => dram.transfer(),
-            }
+        self.transfer_clocks
     }
 
     /// Row hits, misses and conflicts.

@@ -1,16 +1,20 @@
 //! What a miss sets going: its places in the reorder buffer, the miss-status entries and the miss queue, and the memory.
 
+use alloc::vec::Vec;
+
 use super::{
     TimingBuildError,
     counters::{PlaneTiming, Spread},
+    decompressor::Decompressor,
     dram::Row,
-    memory::{Fetch, Memory},
+    events::StoredFetch,
+    memory::{Ask, Fetch, Memory},
     miss_status::MissStatus,
     parameters::{MemoryParameters, Mode, Parameters},
     queue::{Fifo, Ledger},
     tap_reads::READS_MAX,
 };
-use crate::cache::Geometry;
+use crate::{cache::TexelCache, decompression::Piece};
 
 /// The way of a miss.
 #[derive(Clone, Debug)]
@@ -19,12 +23,17 @@ pub(super) struct Misses {
     line_shift: u32,
     tag_latency: u64,
     pub(super) memory: Memory,
+    /// A whole line, at any address.
+    line: Ask,
+    pub(super) decompressor: Option<Decompressor>,
     pub(super) miss_queue: Fifo,
     pub(super) reorder_buffer: Fifo,
     pub(super) status: MissStatus,
     pub(super) port: Ledger,
     /// In blocking mode, the first clock the next access can be made in.
     pub(super) unblocked: u64,
+    /// What the decompressor asked for to fill the last line.
+    stored: Vec<StoredFetch>,
     /// Clocks of the misses of the tap at hand.
     clocks: [u64; READS_MAX],
     pub(super) stalls: MissStalls,
@@ -50,17 +59,23 @@ pub(super) struct Missed {
 }
 
 impl Misses {
-    pub(super) fn new(p: &Parameters, memory: &MemoryParameters, geometry: Geometry) -> Result<Self, TimingBuildError> {
+    pub(super) fn new(p: &Parameters, memory: &MemoryParameters, cache: &TexelCache) -> Result<Self, TimingBuildError> {
+        let geometry = cache.cache().geometry();
+        let memory = Memory::new(memory).map_err(TimingBuildError::SecondLevel)?;
+        let behind = cache.stored_lines();
         Ok(Self {
+            line: memory.ask(0, geometry.line),
+            decompressor: behind.map(|behind| Decompressor::new(p, behind, geometry.line, &memory)),
+            memory,
             prefetching: p.mode == Mode::Prefetching,
             line_shift: geometry.line.trailing_zeros(),
             tag_latency: p.tag_latency.into(),
-            memory: Memory::new(memory, geometry.line).map_err(TimingBuildError::SecondLevel)?,
             miss_queue: Fifo::new(p.miss_queue),
             reorder_buffer: Fifo::new(p.reorder_buffer),
             status: MissStatus::new(p.miss_status, p.merges, geometry.lines() as usize),
             port: Ledger::default(),
             unblocked: 0,
+            stored: Vec::new(),
             clocks: [0; READS_MAX],
             stalls: MissStalls::default(),
             fill_latency: Spread::default(),
@@ -91,10 +106,15 @@ impl Misses {
         clock = clock.max(room);
 
         let at_port = clock + self.tag_latency;
-        let fetch = self.memory.fetch(line << self.line_shift, at_port);
         self.port.idle_until(at_port);
-        self.port.stall_until(fetch.taken, &mut self.stalls.memory);
-        self.port.work(fetch.taken);
+        let fetch = match self.decompressor.take() {
+            None => self.fetch(self.line.at(line << self.line_shift), at_port, row),
+            Some(mut decompressor) => {
+                let fetch = self.fetch_stored(&mut decompressor, line, at_port, row);
+                self.decompressor = Some(decompressor);
+                fetch
+            }
+        };
         self.miss_queue.pass(clock, fetch.taken + 1);
         self.status.fill(slot, fetch.filled);
         if self.prefetching {
@@ -107,6 +127,15 @@ impl Misses {
         self.fill_latency.add(fetch.filled - clock);
         row.fetches_failed += 1;
         row.fill_latency_sum += fetch.filled - clock;
+        Missed { clock, fetch, tag }
+    }
+
+    /// Asks the memory once.
+    #[inline(always)]
+    fn fetch(&mut self, ask: Ask, at_port: u64, row: &mut PlaneTiming) -> Fetch {
+        let fetch = self.memory.fetch(ask, at_port);
+        self.port.stall_until(fetch.taken, &mut self.stalls.memory);
+        self.port.work(fetch.taken);
         row.second_level_hits += u64::from(fetch.second_level_hit == Some(true));
         match fetch.row {
             Some(Row::Hit) => row.row_hits += 1,
@@ -114,7 +143,37 @@ impl Misses {
             Some(Row::Conflict) => row.row_conflicts += 1,
             None => {}
         }
-        Missed { clock, fetch, tag }
+        fetch
+    }
+
+    /// Asks for what is stored behind a line, and decompresses it.
+    ///
+    /// # Panics
+    /// If nothing is: no texel is read from such a line.
+    #[inline(never)]
+    fn fetch_stored(
+        &mut self,
+        decompressor: &mut Decompressor,
+        line: u64,
+        at_port: u64,
+        row: &mut PlaneTiming,
+    ) -> Fetch {
+        let mut came = 0;
+        self.stored.clear();
+        for Piece { address, bytes } in decompressor.requests(line) {
+            let fetch = self.fetch(self.memory.ask(address, bytes), at_port, row);
+            came = came.max(fetch.filled);
+            row.bytes_fetched += u64::from(bytes);
+            self.stored.push(StoredFetch { address, bytes, fetch });
+        }
+        let last = self.stored.last().expect("a line with a texel, behind which something is stored");
+        Fetch { filled: decompressor.decompress(line, came), ..last.fetch }
+    }
+
+    /// What the decompressor asked for to fill the last line; nothing without one.
+    #[inline(always)]
+    pub(super) fn stored(&self) -> &[StoredFetch] {
+        &self.stored
     }
 
     /// The tap at hand, which missed `count` lines, is read in clock `data`.

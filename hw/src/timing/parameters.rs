@@ -65,10 +65,16 @@ pub struct Parameters {
     pub data_latency: u32,
     /// Clocks of the datapath.
     pub filter_latency: u32,
+    /// Clocks of the decompressor between memory and cache, where there is one.
+    pub decompress_latency: u32,
+    /// Texels a clock that leave it.
+    pub decompress_texels_per_clock: u32,
 }
 
 impl Default for Parameters {
-    /// One trilinear request in two clocks, latencies of a few clocks, and 64 taps between tags and data.
+    /// One trilinear request in two clocks, latencies of a few clocks, and 64 taps between tags and data. A decompressor makes as many
+    /// texels a clock as a block of 4 x 4 has: as fast as the default memory brings blocks of 16 bytes (BC3, BC7), half as fast as those of 8 (BC1);
+    /// its four clocks are those of a block's mode, end points, indices, and the interpolation. Both are assumptions.
     fn default() -> Self {
         Self {
             mode: Mode::Prefetching,
@@ -96,6 +102,8 @@ impl Default for Parameters {
             tag_latency: 1,
             data_latency: 1,
             filter_latency: 4,
+            decompress_latency: 4,
+            decompress_texels_per_clock: 16,
         }
     }
 }
@@ -209,6 +217,8 @@ impl Parameters {
             ("tag-latency", self.tag_latency),
             ("data-latency", self.data_latency),
             ("filter-latency", self.filter_latency),
+            ("decompress-latency", self.decompress_latency),
+            ("decompress-texels-per-clock", self.decompress_texels_per_clock),
         ];
         for (key, value) in counts {
             at_least_one(key, value)?;

@@ -180,13 +180,14 @@ impl Pipeline {
                         (clock, pipe.ledgers.tag) = (miss.clock, miss.tag);
                         filled = filled.max(miss.fetch.filled);
                         missed += 1;
-                        observer.fill(FillTimes {
+                        let fill = FillTimes {
                             tap: pipe.counts.taps,
                             plane,
                             address: access.line << line_shift,
                             access: clock,
                             fetch: miss.fetch,
-                        });
+                        };
+                        observer.fill(fill, misses.stored());
                     }
                     pipe.tag_banks.take(bank, clock);
                     pipe.ledgers.tag.work(clock);

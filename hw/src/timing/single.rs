@@ -154,13 +154,14 @@ impl Pipeline {
                         tag_unit.next = miss.tag.next();
                         filled = filled.max(miss.fetch.filled);
                         missed += 1;
-                        observer.fill(FillTimes {
+                        let fill = FillTimes {
                             tap: counts.taps,
                             plane,
                             address: access.line << line_shift,
                             access: clock,
                             fetch: miss.fetch,
-                        });
+                        };
+                        observer.fill(fill, misses.stored());
                     }
                     tag_unit.next = tag_unit.next.max(clock + 1);
                     banks_taken = if clock == tag_done { banks_taken } else { 0 } | 1 << bank;

@@ -3,14 +3,17 @@
 mod memory;
 mod simulator;
 
+use std::sync::{Arc, LazyLock};
+
 use proptest::prelude::*;
-use simulator::{Machine, MissClocks, Tap, TapClocks, simulate};
+use simulator::{Machine, MissClocks, StoredTexture, Tap, TapClocks, simulate};
 use texunit_hw::{
     Batch, Footprint, Format, Geometry, Layout, Policy, PyramidKind, Requests, Sink, Surface,
     cache::{Detail, TexelCache},
+    decompression::{Decompressed, StoredLines},
     timing::{
         BankHash, DramParameters, FillTimes, MainMemory, Mapping, MemoryParameters, Mode, Page, Parameters,
-        RequestTimes, SecondLevelParameters, TapTimes, Timing, TimingCounters, TimingObserver,
+        RequestTimes, SecondLevelParameters, StoredFetch, TapTimes, Timing, TimingCounters, TimingObserver,
     },
 };
 
@@ -63,6 +66,8 @@ fn machine(draw: &mut Draw<'_>) -> Machine {
         tag_latency: draw.latency(),
         data_latency: draw.latency(),
         filter_latency: draw.latency(),
+        decompress_latency: draw.latency(),
+        decompress_texels_per_clock: draw.from(&[16, 4, 3, 1]),
     };
     let line = draw.from(&[16, 32, 64]);
     let second_level = draw.from(&[false, false, true]).then(|| SecondLevelParameters {
@@ -103,7 +108,33 @@ fn machine(draw: &mut Draw<'_>) -> Machine {
         sets: 1 + draw.below(6),
         ways: 1 + draw.below(3),
         line,
+        stored: (draw.below(3) == 0).then(|| &STORED[draw.below(STORED.len() as u32) as usize]),
     }
+}
+
+/// Textures in memory whose texels take all addresses that a stream reads.
+static STORED: LazyLock<Vec<StoredTexture>> = LazyLock::new(|| {
+    let layouts = [Layout::RowMajor, Layout::Tiled { log2_width: 2, log2_height: 2 }, Layout::Morton];
+    let formats = [Format::Bc1, Format::Bc3, Format::Rgb565, Format::L8];
+    let sizes = layouts.into_iter().flat_map(|layout| [(layout, [128, 64]), (layout, [256, 128])]);
+    let sizes = sizes.chain([(Layout::RowMajor, [99, 77])]);
+    sizes.flat_map(|(layout, size)| formats.map(|format| stored_texture(layout, format, size))).collect()
+});
+
+fn stored_texture(layout: Layout, format: Format, [width, height]: [u32; 2]) -> StoredTexture {
+    let surface = |format| Surface::new(PyramidKind::Mipmap, layout, format, width, height).unwrap();
+    let (held, stored) = (surface(Format::Rgba8), surface(format));
+    // Not at the beginning of a burst or of a second-level line, as no texture of the unit is: so both are cut everywhere.
+    let base = 3 * u64::from(format.element_bytes());
+    let mut elements = vec![None; held.bytes as usize / 4 + 16];
+    for (from, to) in stored.planes.iter().zip(&held.planes) {
+        for (x, y) in (0..to.height).flat_map(|y| (0..to.width).map(move |x| (x, y))) {
+            elements[to.address(x, y) as usize / 4] = Some(base + from.address(x, y));
+        }
+    }
+    let texture = Decompressed { held: (&held, 0), stored: (&stored, base) };
+    let lines = [16, 32, 64].map(|line| Arc::new(StoredLines::new(line, [texture])));
+    StoredTexture { element_bytes: format.element_bytes(), elements, lines }
 }
 
 /// Taps that wander: mostly near the last, sometimes far. Half of the streams have texels outside, and taps of one texel; the model
@@ -137,11 +168,14 @@ struct Recorder {
     requests: Vec<[u64; 3]>,
     taps: Vec<TapClocks>,
     misses: Vec<MissClocks>,
+    /// What was asked of memory for a decompressor: clock, address, bytes.
+    requested: Vec<(u64, u64, u64)>,
 }
 
 impl TimingObserver for &mut Recorder {
-    fn fill(&mut self, fill: FillTimes) {
+    fn fill(&mut self, fill: FillTimes, stored: &[StoredFetch]) {
         assert_eq!(fill.tap, self.taps.len() as u64);
+        self.requested.extend(stored.iter().map(|one| (one.fetch.taken, one.address, one.bytes.into())));
         self.misses.push(MissClocks {
             address: fill.address,
             access: fill.access,
@@ -168,7 +202,11 @@ impl TimingObserver for &mut Recorder {
 
 fn cache(machine: &Machine) -> TexelCache {
     let geometry = Geometry { sets: machine.sets, ways: machine.ways, line: machine.line };
-    TexelCache::new(geometry, Policy::Lru, 4, Detail::default()).unwrap()
+    let cache = TexelCache::new(geometry, Policy::Lru, 4, Detail::default()).unwrap();
+    match machine.stored {
+        Some(stored) => cache.with_decompressor(stored.lines[(machine.line / 16).ilog2() as usize].clone()),
+        None => cache,
+    }
 }
 
 fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
@@ -186,6 +224,7 @@ fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
     let sum = |field: fn(&texunit_hw::timing::PlaneTiming) -> u64| planes.iter().map(field).sum::<u64>();
     assert_eq!(sum(|plane| plane.taps), counters.taps);
     assert_eq!(sum(|plane| plane.bytes_filled), counters.bytes_filled);
+    assert_eq!(sum(|plane| plane.bytes_fetched), counters.bytes_fetched);
     assert_eq!(sum(|plane| plane.stall_wait_read), counters.stall_wait_read);
     assert_eq!(sum(|plane| plane.fill_latency_sum), counters.fill_latency_sum);
     assert_eq!(sum(|plane| plane.row_hits), counters.row_hits);
@@ -193,7 +232,7 @@ fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
     assert_eq!(sum(|plane| plane.row_conflicts), counters.row_conflicts);
     assert_eq!(sum(|plane| plane.second_level_hits), counters.second_level_hits);
     assert_eq!(timing.histograms().taps.iter().sum::<u64>(), counters.requests);
-    conserve(&counters, &untimed, machine.line);
+    conserve(&counters, &untimed, machine);
     drop(timing);
 
     let log = simulate(machine, requests);
@@ -202,6 +241,8 @@ fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
         assert_eq!(recorder.taps, log.taps, "taps");
         assert_eq!(recorder.misses, log.misses, "misses");
         assert_eq!(recorder.requests, log.requests, "requests");
+        let requested = if machine.stored.is_some() { &log.requested[..] } else { &[] };
+        assert_eq!(recorder.requested, requested, "requests to memory");
     }
     for ((name, _), value) in TimingCounters::FIELDS.iter().zip(counters.values()) {
         assert_eq!(value, log.counters.get(*name).copied().unwrap_or(0), "{name}");
@@ -234,12 +275,13 @@ fn in_batches(machine: &Machine, requests: &[Vec<Tap>], expected: &TimingCounter
 }
 
 /// What must add up, whatever the machine.
-fn conserve(c: &TimingCounters, cache: &TexelCache, line: u32) {
+fn conserve(c: &TimingCounters, cache: &TexelCache, machine: &Machine) {
     let cached = cache.counters();
     assert_eq!(c.reads, cached.lookups);
     assert_eq!(c.fills, cached.misses);
-    assert_eq!(c.bytes_filled, cached.bytes_fetched);
-    assert_eq!(c.bytes_filled, c.fills * u64::from(line));
+    assert_eq!((c.bytes_filled, c.bytes_fetched), (cached.bytes_filled, cached.bytes_fetched));
+    assert_eq!(c.bytes_filled, c.fills * u64::from(machine.line));
+    assert!(machine.stored.is_some() || c.bytes_fetched == c.bytes_filled);
     assert_eq!(c.fetches_ok + c.fetches_failed + c.fetches_skipped, c.reads);
     assert!(c.fetches_merged <= c.fetches_ok);
     assert_eq!(c.entry_busy + c.entry_idle + c.entry_stall_request_fifo, c.cycles);
@@ -247,15 +289,19 @@ fn conserve(c: &TimingCounters, cache: &TexelCache, line: u32) {
     assert_eq!(c.sequencer_busy + c.sequencer_idle + c.sequencer_stall_tap_fifo, c.cycles);
     assert_eq!(c.tag_busy + c.tag_idle + c.tag_stall_fragment_fifo + c.stall_fetch, c.cycles);
     assert_eq!(c.miss_port_busy + c.miss_port_idle + c.miss_port_stall_memory, c.cycles);
-    assert_eq!(c.miss_port_busy, c.fills);
+    assert!(if machine.stored.is_some() { c.miss_port_busy >= c.fills } else { c.miss_port_busy == c.fills });
+    assert_eq!(c.decompressor_busy + c.decompressor_idle, c.cycles);
+    let work = (machine.line / 4).div_ceil(machine.pipeline.decompress_texels_per_clock);
+    assert_eq!(c.decompressor_busy, machine.stored.map_or(0, |_| c.fills * u64::from(work)));
     assert_eq!(c.data_busy + c.data_idle + c.data_stall_fill + c.data_stall_result_fifo, c.cycles);
     assert_eq!(c.datapath_busy + c.datapath_idle, c.cycles);
     assert_eq!(c.result_busy + c.result_idle, c.cycles);
     if c.second_level_lookups > 0 {
-        assert_eq!(c.second_level_lookups, c.fills);
+        assert_eq!(c.second_level_lookups, c.miss_port_busy);
         assert_eq!(c.second_level_misses, c.memory_requests);
     } else {
-        assert_eq!(c.memory_requests, c.fills);
+        assert_eq!(c.memory_requests, c.miss_port_busy);
+        assert_eq!(c.memory_bytes, c.bytes_fetched);
     }
     if c.row_hits + c.row_misses + c.row_conflicts > 0 {
         assert_eq!(c.row_hits + c.row_misses + c.row_conflicts, c.memory_requests);

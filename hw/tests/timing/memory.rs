@@ -44,6 +44,7 @@ pub type Filled = Vec<Option<u64>>;
 #[derive(Default)]
 pub struct Tally {
     pub requests: u64,
+    pub bytes: u64,
     pub transfer_clocks: u64,
     pub row_hits: u64,
     pub row_misses: u64,
@@ -54,11 +55,19 @@ pub struct Tally {
     pub second_hits: u64,
 }
 
+/// Bytes wanted, from an address on.
+#[derive(Clone, Copy)]
+pub struct Wanted {
+    pub address: u64,
+    pub bytes: u64,
+}
+
 struct DramRequest {
     id: usize,
     bank: usize,
     row: u64,
     taken: u64,
+    transfer: u64,
     begun: bool,
     prepared: bool,
     activate_at: Option<u64>,
@@ -76,12 +85,21 @@ struct DramChannel {
     queue: VecDeque<DramRequest>,
     banks: Vec<DramBank>,
     last_begin: Option<u64>,
-    last_column: Option<u64>,
+    column_end: Option<u64>,
 }
 
 enum Main {
-    Fixed { latency: u64, transfer: u64, waiting: VecDeque<(usize, u64)>, link_free: u64 },
-    Dram { p: DramParameters, transfer: u64, channels: Vec<DramChannel> },
+    /// Waiting: request, clock it was taken, clocks of its transfer.
+    Fixed {
+        latency: u64,
+        bytes_per_clock: u64,
+        waiting: VecDeque<(usize, u64, u64)>,
+        link_free: u64,
+    },
+    Dram {
+        p: DramParameters,
+        channels: Vec<DramChannel>,
+    },
 }
 
 struct Second {
@@ -89,10 +107,9 @@ struct Second {
     cache: Lru,
     /// Main-memory request and first clock it can be made.
     queue: VecDeque<(usize, u64, u64)>,
-    /// First-level request, clock of the lookup if it hit, main-memory request it waits for.
-    answers: VecDeque<(usize, Option<u64>, usize)>,
+    /// First-level request and its bytes, clock of the lookup if it hit, main-memory request it waits for.
+    answers: VecDeque<(usize, u64, Option<u64>, usize)>,
     link_free: u64,
-    transfer: u64,
     main_filled: Filled,
 }
 
@@ -105,28 +122,22 @@ pub struct Memory {
 }
 
 impl Memory {
-    pub fn new(parameters: &MemoryParameters, line: u32) -> Self {
-        let block = parameters.second_level.map_or(line, |second| second.line);
+    pub fn new(parameters: &MemoryParameters) -> Self {
         let main = match parameters.main {
             MainMemory::Fixed { latency, bytes_per_clock } => Main::Fixed {
                 latency: latency.into(),
-                transfer: block.div_ceil(bytes_per_clock).into(),
+                bytes_per_clock: bytes_per_clock.into(),
                 waiting: VecDeque::new(),
                 link_free: 0,
             },
             MainMemory::Dram(p) => {
-                let bursts = block.div_ceil(p.burst_length * p.bus_bytes);
                 let channel = || DramChannel {
                     queue: VecDeque::new(),
                     banks: vec![DramBank::default(); p.banks as usize],
                     last_begin: None,
-                    last_column: None,
+                    column_end: None,
                 };
-                Main::Dram {
-                    p,
-                    transfer: u64::from(bursts * p.burst_length.div_ceil(p.beats_per_clock)),
-                    channels: (0..p.channels).map(|_| channel()).collect(),
-                }
+                Main::Dram { p, channels: (0..p.channels).map(|_| channel()).collect() }
             }
         };
         let second = parameters.second_level.map(|p| Second {
@@ -135,19 +146,19 @@ impl Memory {
             queue: VecDeque::new(),
             answers: VecDeque::new(),
             link_free: 0,
-            transfer: line.div_ceil(p.bytes_per_clock).into(),
             main_filled: Vec::new(),
         });
         Self { main, second, filled: Vec::new(), tally: Tally::default() }
     }
 
     /// Whether the request at the head of the miss queue is taken in this clock.
-    pub fn take(&mut self, t: u64, id: usize, address: u64) -> bool {
+    pub fn take(&mut self, t: u64, id: usize, wanted: Wanted) -> bool {
+        let Wanted { address, bytes } = wanted;
         if self.filled.len() <= id {
             self.filled.resize(id + 1, None);
         }
         let Some(second) = &mut self.second else {
-            return self.main.take(t, id, address, &mut self.tally);
+            return self.main.take(t, id, wanted, &mut self.tally);
         };
         let hit = second.cache.contains(address);
         if !hit && second.queue.len() >= second.p.miss_queue as usize {
@@ -158,13 +169,13 @@ impl Memory {
         match second.cache.look_up(address, fresh) {
             Ok(main_id) => {
                 self.tally.second_hits += 1;
-                second.answers.push_back((id, Some(t), main_id));
+                second.answers.push_back((id, bytes, Some(t), main_id));
             }
             Err(()) => {
                 second.main_filled.push(None);
                 let line = u64::from(second.p.line);
                 second.queue.push_back((fresh, address / line * line, t + u64::from(second.p.latency)));
-                second.answers.push_back((id, None, fresh));
+                second.answers.push_back((id, bytes, None, fresh));
             }
         }
         true
@@ -178,16 +189,16 @@ impl Memory {
         };
         if let Some(&(main_id, address, earliest)) = second.queue.front()
             && t >= earliest
-            && self.main.take(t, main_id, address, &mut self.tally)
+            && self.main.take(t, main_id, Wanted { address, bytes: second.p.line.into() }, &mut self.tally)
         {
             second.queue.pop_front();
         }
         self.main.tick(t, &mut second.main_filled, &mut self.tally);
-        if let Some(&(id, looked_up, main_id)) = second.answers.front() {
+        if let Some(&(id, bytes, looked_up, main_id)) = second.answers.front() {
             let there = second.main_filled[main_id].is_some_and(|filled| filled <= t);
             let answered = looked_up.is_none_or(|lookup| t >= lookup + u64::from(second.p.latency));
             if there && answered && t >= second.link_free {
-                second.link_free = t + second.transfer;
+                second.link_free = t + bytes.div_ceil(second.p.bytes_per_clock.into());
                 self.filled[id] = Some(second.link_free);
                 second.answers.pop_front();
             }
@@ -196,13 +207,19 @@ impl Memory {
 }
 
 impl Main {
-    fn take(&mut self, t: u64, id: usize, address: u64, tally: &mut Tally) -> bool {
+    fn take(&mut self, t: u64, id: usize, wanted: Wanted, tally: &mut Tally) -> bool {
+        let Wanted { address, bytes } = wanted;
         match self {
-            Self::Fixed { waiting, transfer, .. } => {
-                waiting.push_back((id, t));
-                tally.transfer_clocks += *transfer;
+            Self::Fixed { waiting, bytes_per_clock, .. } => {
+                let transfer = bytes.div_ceil(*bytes_per_clock);
+                waiting.push_back((id, t, transfer));
+                tally.transfer_clocks += transfer;
             }
-            Self::Dram { p, transfer, channels } => {
+            Self::Dram { p, channels } => {
+                // Burst by burst, from the one with the first byte to the one with the last.
+                let burst = u64::from(p.burst_length) * u64::from(p.bus_bytes);
+                let bursts = (address + bytes - 1) / burst - address / burst + 1;
+                let transfer = bursts * u64::from(p.burst_length.div_ceil(p.beats_per_clock));
                 let chunk = address / u64::from(p.interleave);
                 let channel = &mut channels[(chunk % u64::from(p.channels)) as usize];
                 if channel.queue.len() >= p.queue as usize {
@@ -229,34 +246,36 @@ impl Main {
                     bank,
                     row,
                     taken: t,
+                    transfer,
                     begun: false,
                     prepared: false,
                     activate_at: None,
                 });
-                tally.transfer_clocks += *transfer;
+                tally.transfer_clocks += transfer;
             }
         }
         tally.requests += 1;
+        tally.bytes += bytes;
         true
     }
 
     fn tick(&mut self, t: u64, filled: &mut Filled, tally: &mut Tally) {
         match self {
-            Self::Fixed { latency, transfer, waiting, link_free } => {
-                if let Some(&(id, taken)) = waiting.front()
+            Self::Fixed { latency, waiting, link_free, .. } => {
+                if let Some(&(id, taken, transfer)) = waiting.front()
                     && t >= taken + *latency
                     && t >= *link_free
                 {
-                    *link_free = t + *transfer;
+                    *link_free = t + transfer;
                     filled[id] = Some(*link_free);
                     waiting.pop_front();
                 }
             }
-            Self::Dram { p, transfer, channels } => {
+            Self::Dram { p, channels } => {
                 for channel in channels {
                     tally.queue_sum += channel.queue.len() as u64;
                     tally.queue_max = tally.queue_max.max(channel.queue.len() as u64);
-                    channel.tick(t, p, *transfer, filled, tally);
+                    channel.tick(t, p, filled, tally);
                 }
             }
         }
@@ -264,7 +283,7 @@ impl Main {
 }
 
 impl DramChannel {
-    fn tick(&mut self, t: u64, p: &DramParameters, transfer: u64, filled: &mut Filled, tally: &mut Tally) {
+    fn tick(&mut self, t: u64, p: &DramParameters, filled: &mut Filled, tally: &mut Tally) {
         if let Some(request) = self.queue.iter_mut().find(|request| !request.begun)
             && t >= request.taken + u64::from(p.controller_latency)
             && self.last_begin.is_none_or(|last| last < t)
@@ -309,10 +328,11 @@ impl DramChannel {
         if let Some(request) = self.queue.front()
             && request.prepared
             && t >= self.banks[request.bank].act + u64::from(p.trcd)
-            && self.last_column.is_none_or(|last| t >= last + transfer)
+            && self.column_end.is_none_or(|end| t >= end)
         {
+            let transfer = request.transfer;
             let bank = &mut self.banks[request.bank];
-            self.last_column = Some(t);
+            self.column_end = Some(t + transfer);
             bank.end = t + transfer;
             if p.page == Page::Closed {
                 bank.open = None;
@@ -325,13 +345,8 @@ impl DramChannel {
 }
 
 impl Memory {
-    /// The clock in which a miss was filled, if it has been.
+    /// The clock in which a request's bytes are there, once that is known.
     pub fn filled(&self, id: usize) -> Option<u64> {
         self.filled.get(id).copied().flatten()
-    }
-
-    /// Bytes of a second-level line, if there is one.
-    pub fn second_line(&self) -> Option<u64> {
-        self.second.as_ref().map(|second| second.p.line.into())
     }
 }

@@ -10,7 +10,6 @@ pub fn total(counters: &mut BTreeMap<String, u64>, log: &Log, memory: &Memory, c
     let get = |counters: &BTreeMap<String, u64>, name: &str| counters.get(name).copied().unwrap_or(0);
     let misses = log.misses.len() as u64;
     let tally = &memory.tally;
-    let block = memory_block(memory, line);
     let skipped = get(counters, "reads") - get(counters, "fetches_ok") - get(counters, "fetches_failed");
     let fetch = ["merge", "reorder_buffer", "miss_status", "miss_queue", "blocked"]
         .iter()
@@ -42,7 +41,7 @@ pub fn total(counters: &mut BTreeMap<String, u64>, log: &Log, memory: &Memory, c
         ("second_level_hits", tally.second_hits),
         ("second_level_misses", tally.second_lookups - tally.second_hits),
         ("memory_requests", tally.requests),
-        ("memory_bytes", tally.requests * block),
+        ("memory_bytes", tally.bytes),
         ("memory_transfer_clocks", tally.transfer_clocks),
         ("row_hits", tally.row_hits),
         ("row_misses", tally.row_misses),
@@ -53,8 +52,4 @@ pub fn total(counters: &mut BTreeMap<String, u64>, log: &Log, memory: &Memory, c
     for (name, value) in derived {
         counters.insert(name.to_owned(), value);
     }
-}
-
-fn memory_block(memory: &Memory, line: u64) -> u64 {
-    memory.second_line().unwrap_or(line)
 }

@@ -28,7 +28,7 @@ impl Simulator<'_> {
                 }
                 if self.own_misses[self.at_data]
                     .iter()
-                    .any(|&miss| self.memory.filled(miss).is_none_or(|filled| self.t < filled))
+                    .any(|&miss| self.lines.there(&self.memory, miss).is_none_or(|filled| self.t < filled))
                 {
                     cause = Some("fill");
                     break;

@@ -3,20 +3,28 @@
 mod account;
 mod counters;
 mod data;
+mod decompressor;
 mod front;
 mod tags;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    sync::Arc,
+};
 
-use texunit_hw::timing::{BankHash, MemoryParameters, Parameters};
+use texunit_hw::{
+    decompression::StoredLines,
+    timing::{BankHash, MemoryParameters, Parameters},
+};
 
 use self::{
     account::{Account, Places},
     counters::total,
     data::DataTap,
+    decompressor::Decompressor,
     tags::TagTap,
 };
-use crate::memory::{Lru, Memory};
+use crate::memory::{Lru, Memory, Wanted};
 
 /// A tap to run: plane and addresses read, in order.
 #[derive(Clone, Debug)]
@@ -33,6 +41,19 @@ pub struct Machine {
     pub sets: u32,
     pub ways: u32,
     pub line: u32,
+    /// What memory holds, where a decompressor stands before the cache.
+    pub stored: Option<&'static StoredTexture>,
+}
+
+/// A texture in memory, texel by texel.
+#[derive(Debug)]
+pub struct StoredTexture {
+    /// Bytes of an element: a texel, or a block of them.
+    pub element_bytes: u32,
+    /// Address of the element of each texel, by the texel's own address in the cache / 4; none in padding.
+    pub elements: Vec<Option<u64>>,
+    /// The same as the model takes it, for lines of 16, 32 and 64 bytes.
+    pub lines: [Arc<StoredLines>; 3],
 }
 
 /// Clocks of one tap.
@@ -62,6 +83,8 @@ pub struct Log {
     pub requests: Vec<[u64; 3]>,
     pub taps: Vec<TapClocks>,
     pub misses: Vec<MissClocks>,
+    /// Requests to memory: clock taken, address, bytes.
+    pub requested: Vec<(u64, u64, u64)>,
     pub counters: BTreeMap<String, u64>,
 }
 
@@ -89,6 +112,7 @@ fn bank(hash: BankHash, banks: u32, mut number: u64) -> usize {
 
 /// The whole machine between two clocks.
 struct Simulator<'m> {
+    machine: &'m Machine,
     p: &'m Parameters,
     line: u32,
     /// How many there are.
@@ -120,8 +144,10 @@ struct Simulator<'m> {
     misses: Vec<Miss>,
     /// Misses of each tap.
     own_misses: Vec<Vec<usize>>,
-    /// Misses the memory has not taken.
-    untaken: VecDeque<usize>,
+    /// Their lines.
+    lines: Decompressor,
+    /// Requests the memory has not taken: miss, number, what, and whether it is the miss's last.
+    untaken: VecDeque<(usize, usize, Wanted, bool)>,
     /// Misses that hold a miss-status entry.
     held: Vec<usize>,
     in_tag: Option<TagTap>,
@@ -136,6 +162,7 @@ impl<'m> Simulator<'m> {
         let p = &machine.pipeline;
         let taps: Vec<&Tap> = requests.iter().flatten().collect();
         Self {
+            machine,
             p,
             line: machine.line,
             requests: requests.len(),
@@ -161,9 +188,10 @@ impl<'m> Simulator<'m> {
             at_data: 0,
             left: 0,
             cache: Lru::new(machine.sets, machine.ways, machine.line),
-            memory: Memory::new(&machine.memory, machine.line),
+            memory: Memory::new(&machine.memory),
             misses: Vec::new(),
             own_misses: vec![Vec::new(); taps.len()],
+            lines: Decompressor::new(machine),
             untaken: VecDeque::new(),
             held: Vec::new(),
             in_tag: None,
@@ -196,8 +224,8 @@ impl<'m> Simulator<'m> {
 
 pub fn simulate(machine: &Machine, requests: &[Vec<Tap>]) -> Log {
     let mut machine = Simulator::new(machine, requests);
-    let mut accounts =
-        ["entry", "lod", "sequencer", "miss_port", "tag", "data", "datapath", "result"].map(Account::new);
+    let mut accounts = ["entry", "lod", "sequencer", "miss_port", "decompressor", "tag", "data", "datapath", "result"]
+        .map(Account::new);
     while machine.left < requests.len() {
         assert!(machine.t < 50_000_000, "it hangs");
         // In this order: a stage sees what those before it did in the same clock.
@@ -206,6 +234,7 @@ pub fn simulate(machine: &Machine, requests: &[Vec<Tap>]) -> Log {
             machine.lod(),
             machine.sequencer(),
             machine.miss_port(),
+            machine.decompressor(),
             machine.tags(),
             machine.data(),
             machine.datapath(),
@@ -229,17 +258,15 @@ pub fn simulate(machine: &Machine, requests: &[Vec<Tap>]) -> Log {
         counters.insert(format!("{}_sum", places.name), places.sum as u64);
         counters.insert(format!("{}_max", places.name), places.most as u64);
     }
-    let Simulator { mut log, misses, memory, t, line, .. } = machine;
-    log.misses = misses
-        .iter()
-        .enumerate()
-        .map(|(number, miss)| MissClocks {
-            address: miss.address,
-            access: miss.access,
-            taken: miss.taken,
-            filled: memory.filled(number).unwrap_or_default(),
-        })
-        .collect();
+    let misses = machine.misses.iter().enumerate().map(|(number, miss)| MissClocks {
+        address: miss.address,
+        access: miss.access,
+        taken: miss.taken,
+        filled: machine.lines.there(&machine.memory, number).unwrap_or_default(),
+    });
+    let misses = misses.collect();
+    let Simulator { mut log, memory, t, line, .. } = machine;
+    log.misses = misses;
     total(&mut counters, &log, &memory, t, line.into());
     log.counters = counters;
     log

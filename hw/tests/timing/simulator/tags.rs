@@ -8,6 +8,7 @@ use super::{
     Miss, Simulator,
     account::{Clock, bump},
     bank,
+    decompressor::{Fill, requests_of},
 };
 
 pub struct Access {
@@ -25,26 +26,26 @@ pub struct TagTap {
 impl Simulator<'_> {
     pub fn miss_port(&mut self) -> Clock {
         let (mut busy, mut cause) = (false, None);
-        if let Some(&miss) = self.untaken.front()
+        if let Some(&(miss, id, wanted, is_last)) = self.untaken.front()
             && self.t >= self.misses[miss].access + u64::from(self.p.tag_latency)
         {
-            if self.memory.take(self.t, miss, self.misses[miss].address) {
+            if self.memory.take(self.t, id, wanted) {
                 self.misses[miss].taken = self.t;
+                self.log.requested.push((self.t, wanted.address, wanted.bytes));
                 self.untaken.pop_front();
-                self.miss_queue.give_back();
+                if is_last {
+                    self.miss_queue.give_back();
+                }
                 busy = true;
             } else {
                 cause = Some("memory");
             }
         }
         self.memory.tick(self.t);
-        self.held.retain(|&miss| {
-            let there = self.memory.filled(miss) == Some(self.t);
-            if there {
-                self.miss_status.give_back();
-            }
-            !there
-        });
+        let (back, held) = self.held.iter().partition(|&&miss| self.lines.there(&self.memory, miss) == Some(self.t));
+        self.held = held;
+        let back: Vec<usize> = back;
+        back.iter().for_each(|_| self.miss_status.give_back());
         (busy, cause)
     }
 
@@ -99,7 +100,7 @@ impl Simulator<'_> {
                 continue;
             };
             if let Some(miss) = self.blocked_by
-                && self.memory.filled(miss).is_none_or(|filled| self.t < filled + 1)
+                && self.lines.there(&self.memory, miss).is_none_or(|filled| self.t < filled + 1)
             {
                 cause = Some("blocked");
                 break;
@@ -137,11 +138,17 @@ impl Simulator<'_> {
                 let address = access.line * u64::from(self.line);
                 self.misses.push(Miss { address, access: self.t, taken: 0, merged: 0 });
                 self.own_misses[tap.tap].push(number);
-                self.untaken.push_back(number);
+                let requests = requests_of(self.machine, access.line);
+                let first = self.lines.fills.last().map_or(0, |fill| fill.ids.end);
+                self.lines.fills.push(Fill { ids: first..first + requests.len(), there: None });
+                for (place, &wanted) in requests.iter().enumerate() {
+                    self.untaken.push_back((number, first + place, wanted, place + 1 == requests.len()));
+                    bump(&mut self.counters, "bytes_fetched", wanted.bytes);
+                }
                 self.log.taps[tap.tap].misses += 1;
                 bump(&mut self.counters, "fetches_failed", 1);
             } else {
-                if self.memory.filled(access.miss).is_none_or(|filled| self.t < filled) {
+                if self.lines.there(&self.memory, access.miss).is_none_or(|filled| self.t < filled) {
                     if self.misses[access.miss].merged == self.p.merges {
                         cause = Some("merge");
                         break;
