@@ -36,7 +36,7 @@ pub fn requests_of(machine: &Machine, line: u64) -> Vec<Wanted> {
     }
     bytes.sort_unstable();
     bytes.dedup();
-    let apart = |one: &u64, next: &u64| one + 1 == *next && cut.is_none_or(|cut| next % cut != 0);
+    let apart = |one: &u64, next: &u64| one + 1 == *next && cut.is_none_or(|cut| !next.is_multiple_of(cut));
     bytes.chunk_by(apart).map(|run| Wanted { address: run[0], bytes: run.len() as u64 }).collect()
 }
 
