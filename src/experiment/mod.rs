@@ -164,8 +164,8 @@ pub struct Mismatch {
     pub reference: Response,
 }
 
-/// Requests compared at a time by one thread.
-const SLICE: usize = 1 << 13;
+/// Requests compared at a time by one thread: few, for those of the rows at a horizon take the longest.
+const SLICE: usize = 1 << 10;
 
 /// A filter bound to a stage: the parts that several measurements share.
 #[derive(Debug)]
