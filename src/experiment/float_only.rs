@@ -43,6 +43,7 @@ pub fn ewa(stage: &Stage, machine: &Machine, pyramid: &Pyramid) -> Result<FloatO
     let slices: Vec<(Vec<[u8; 4]>, u64, Deviation)> = stage
         .fragments
         .par_chunks(SLICE)
+        .with_max_len(1)
         .map(|fragments| {
             let (mut texels, mut reads, mut deviation) = (Vec::with_capacity(SLICE), 0, Deviation::default());
             for fragment in fragments {

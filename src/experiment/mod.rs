@@ -164,7 +164,7 @@ pub struct Mismatch {
     pub reference: Response,
 }
 
-/// Requests compared at a time by one thread: few, for those of the rows at a horizon take the longest.
+/// Requests compared at a time by one thread: few, and each slice a job of its own, for those of the rows at a horizon take the longest.
 const SLICE: usize = 1 << 10;
 
 /// A filter bound to a stage: the parts that several measurements share.
@@ -293,6 +293,7 @@ impl<'s> Bench<'s> {
             .requests
             .par_chunks(SLICE)
             .zip(responses.par_chunks(SLICE))
+            .with_max_len(1)
             .map(|(requests, responses)| {
                 let mut differing = requests.iter().zip(responses).filter_map(|(request, hw)| {
                     let reference = reference.sample(request);
@@ -315,6 +316,7 @@ impl<'s> Bench<'s> {
             .fragments
             .par_chunks(SLICE)
             .zip(responses.par_chunks(SLICE))
+            .with_max_len(1)
             .map(|(fragments, responses)| {
                 fragments.iter().zip(responses).fold(Deviation::default(), |mut sum, (fragment, response)| {
                     sum.add(response.texel.map(f64::from), truth.at(fragment.x, fragment.y).map(f64::from));
@@ -332,6 +334,7 @@ impl<'s> Bench<'s> {
             .fragments
             .par_chunks(SLICE)
             .zip(responses.par_chunks(SLICE))
+            .with_max_len(1)
             .map(|(fragments, responses)| {
                 let mut sum = Deviation::default();
                 for (fragment, response) in fragments.iter().zip(responses) {
@@ -379,13 +382,14 @@ impl Pyramids {
     /// # Errors
     /// A kernel or layout that cannot be built for this texture.
     pub fn for_filters(machine: &Machine, texture: &TextureImage, filters: &[Filter]) -> Result<Self> {
-        let mut made: Vec<(PyramidKind, Held)> = Vec::new();
+        let mut kinds: Vec<PyramidKind> = Vec::new();
         for kind in filters.iter().map(|filter| filter.pyramid()) {
-            if made.iter().all(|(known, ..)| *known != kind) {
-                made.push((kind, machine.texture.hold(kind, texture)?));
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
             }
         }
-        Ok(Self { made })
+        let made = kinds.into_par_iter().map(|kind| Ok((kind, machine.texture.hold(kind, texture)?)));
+        Ok(Self { made: made.collect::<Result<_>>()? })
     }
 
     /// The pyramid of a filter that was named when they were made.

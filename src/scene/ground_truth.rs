@@ -56,29 +56,28 @@ impl GroundTruth {
 
     /// The same for one shape: what is under a sub-sample is asked for every one.
     fn of_shape(scene: &Scene, texture: &RgbaImage, surface: &Surface, shape: &(impl Shape + Sync)) -> Self {
-        let (rows, _) = texture.as_raw().as_chunks::<4>();
-        let texel = |x: u32, y: u32| rows[y as usize * texture.width() as usize + x as usize];
+        let (source, _) = texture.as_raw().as_chunks::<4>();
+        let texel = |x: u32, y: u32| source[y as usize * texture.width() as usize + x as usize];
         let places = Places::new(scene.ground_truth.jitter);
         let mut texels = vec![[0.0; 4]; scene.size[0] as usize * scene.size[1] as usize];
-        texels.par_chunks_exact_mut(scene.size[0] as usize).zip(0..scene.size[1]).for_each_init(
-            Vec::new,
-            |fragments, (row, y)| {
-                fragments.clear();
-                let span = Span { x: 0, y, length: scene.size[0] };
-                surface.span(span, GradientMethod::Analytic, fragments, &mut super::Coverage::default());
-                for fragment in fragments {
-                    row[usize::from(fragment.x)] = average(
-                        scene.ground_truth.samples,
-                        &places,
-                        shape,
-                        texel,
-                        texture.dimensions().into(),
-                        scene.texture.wrap,
-                        fragment,
-                    );
-                }
-            },
-        );
+        let rows = texels.par_chunks_exact_mut(scene.size[0] as usize).zip(0..scene.size[1]);
+        // Rows at a horizon have most of the work.
+        rows.with_max_len(4).for_each_init(Vec::new, |fragments, (row, y)| {
+            fragments.clear();
+            let span = Span { x: 0, y, length: scene.size[0] };
+            surface.span(span, GradientMethod::Analytic, fragments, &mut super::Coverage::default());
+            for fragment in fragments {
+                row[usize::from(fragment.x)] = average(
+                    scene.ground_truth.samples,
+                    &places,
+                    shape,
+                    texel,
+                    texture.dimensions().into(),
+                    scene.texture.wrap,
+                    fragment,
+                );
+            }
+        });
         Self { size: scene.size, texels }
     }
 
