@@ -1,5 +1,7 @@
 //! What a pixel should show: the unfiltered texture, sampled many times over the pixel's square and averaged.
 
+use std::sync::LazyLock;
+
 use image::RgbaImage;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -69,7 +71,7 @@ impl GroundTruth {
             for fragment in fragments {
                 row[usize::from(fragment.x)] = average(
                     scene.ground_truth.samples,
-                    &places,
+                    places,
                     shape,
                     texel,
                     texture.dimensions().into(),
@@ -107,7 +109,7 @@ pub fn footprint_average(
     wrap: [AddressMode; 2],
     fragment: &Fragment,
 ) -> [f32; 4] {
-    average(supersampling.samples, &Places::new(supersampling.jitter), fragment, texel, size, wrap, fragment)
+    average(supersampling.samples, Places::new(supersampling.jitter), fragment, texel, size, wrap, fragment)
 }
 
 /// What lies under points of the screen.
@@ -143,24 +145,29 @@ impl Shape for Fragment {
 /// Sub-samples looked at side by side: plain loops over so many, which the compiler turns into vectors.
 const LANES: usize = 8;
 
+/// By number of a sub-sample, the hashes that place it in its cell along x and along y.
+static HASHES: LazyLock<Vec<[SeededHash; 2]>> = LazyLock::new(|| {
+    let numbers = 0..(MOST_SAMPLES * MOST_SAMPLES).next_multiple_of(LANES as u32);
+    numbers.map(|number| [0, 1].map(|axis| SeededHash::new(number, axis))).collect()
+});
+
 /// Where sub-samples lie in their cells of a pixel's grid.
+#[derive(Clone, Copy)]
 struct Places {
-    /// By number of a sub-sample, the hashes that place it along x and along y; none at the centres.
-    jitter: Option<Vec<[SeededHash; 2]>>,
+    /// None at the centres.
+    jitter: Option<&'static [[SeededHash; 2]]>,
 }
 
 impl Places {
     fn new(jitter: bool) -> Self {
-        let numbers = 0..(MOST_SAMPLES * MOST_SAMPLES).next_multiple_of(LANES as u32);
-        let hashes = |number| [0, 1].map(|axis| SeededHash::new(number, axis));
-        Self { jitter: jitter.then(|| numbers.map(hashes).collect()) }
+        Self { jitter: jitter.then(|| HASHES.as_slice()) }
     }
 
     /// Of the sub-samples from the one numbered `first`, within the cell.
     #[inline(always)]
     fn within(&self, pixel: u32, first: u32) -> [[f64; LANES]; 2] {
         let mut within = [[0.5; LANES]; 2];
-        if let Some(hashes) = &self.jitter {
+        if let Some(hashes) = self.jitter {
             let hashes = &hashes[first as usize..][..LANES];
             for (lane, [x, y]) in hashes.iter().enumerate() {
                 within[0][lane] = x.unit(pixel);
@@ -180,7 +187,7 @@ fn samples_for(squared_sigma1: f32, least: u32) -> u32 {
 #[allow(clippy::cast_possible_truncation, reason = "stored as f32: 24 bits for an average of 8-bit values")]
 fn average(
     least: u32,
-    places: &Places,
+    places: Places,
     shape: &impl Shape,
     texel: impl Fn(u32, u32) -> [u8; 4] + Copy,
     size: [u32; 2],
