@@ -18,6 +18,7 @@ mod pipeline;
 mod queue;
 mod single;
 mod tap_reads;
+mod taps;
 
 pub use banks::BankHash;
 pub use counters::{HISTOGRAM_MAX, Histograms, PlaneTiming, TimingCounters};
@@ -36,9 +37,10 @@ use crate::{
 };
 use counters::Spread;
 use misses::Misses;
-use pipeline::{Beside, Pipeline, Taps};
+use pipeline::{Beside, Pipeline};
 use queue::{Fifo, Ledger};
 use tap_reads::TapReads;
+use taps::{Gathered, InPlace, Taps};
 
 /// Why a timing model cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -336,72 +338,5 @@ impl<O: TimingObserver> Sink for Timing<O> {
         let apart = core::mem::take(&mut self.apart);
         self.time(taps_of_requests, &InPlace { taps: batch.taps, texels: batch.texels_per_tap, apart: &apart });
         self.apart = apart;
-    }
-}
-
-/// Taps whose addresses are those of their footprints.
-struct InPlace<'a> {
-    taps: &'a [Footprint],
-    texels: usize,
-    apart: &'a [u8],
-}
-
-impl Taps for InPlace<'_> {
-    #[inline(always)]
-    fn plane(&self, tap: usize) -> u16 {
-        self.taps[tap].plane
-    }
-
-    #[inline(always)]
-    fn addresses(&self, tap: usize) -> &[u64] {
-        &self.taps[tap].address[..self.texels]
-    }
-
-    #[inline(always)]
-    fn apart(&self, tap: usize) -> bool {
-        self.apart.get(tap / 8).is_some_and(|eight| eight >> (tap % 8) & 1 != 0)
-    }
-}
-
-/// Taps whose addresses are written out.
-#[derive(Clone, Debug, Default)]
-struct Gathered {
-    addresses: Vec<u64>,
-    /// Plane of each tap, and where its addresses begin.
-    taps: Vec<(u16, usize)>,
-}
-
-impl Gathered {
-    fn clear(&mut self) {
-        self.addresses.clear();
-        self.taps.clear();
-    }
-
-    /// The next reads are those of a tap on this plane.
-    fn tap(&mut self, plane: u16) {
-        self.taps.push((plane, self.addresses.len()));
-    }
-
-    fn read(&mut self, address: u64) {
-        self.addresses.push(address);
-    }
-
-    fn len(&self) -> usize {
-        self.taps.len()
-    }
-}
-
-impl Taps for Gathered {
-    fn plane(&self, tap: usize) -> u16 {
-        self.taps[tap].0
-    }
-
-    fn addresses(&self, tap: usize) -> &[u64] {
-        let end = self.taps.get(tap + 1).map_or(self.addresses.len(), |&(_, begin)| begin);
-        &self.addresses[self.taps[tap].1..end]
-    }
-
-    fn apart(&self, _: usize) -> bool {
-        false
     }
 }

@@ -14,6 +14,7 @@ pub mod alias;
 mod deviation;
 mod float_only;
 mod image_quality;
+mod pyramids;
 pub mod report;
 pub mod verify;
 
@@ -21,6 +22,7 @@ pub use addresses::AddressBench;
 pub use deviation::Deviation;
 pub use float_only::{FloatOutcome, ewa};
 pub use image_quality::ImageQuality;
+pub use pyramids::Pyramids;
 
 use crate::{
     error::{Error, Result},
@@ -35,7 +37,7 @@ use crate::{
     scene::{Coverage, Fragment, GroundTruth, Scene},
     texel_format::srgb,
     texture_file::TextureImage,
-    texture_memory::{Held, TextureMemory},
+    texture_memory::TextureMemory,
     timed_run::{Timed, time_requests},
 };
 
@@ -368,38 +370,4 @@ pub fn cache_that_keeps(detail: CacheDetail, machine: &Machine, bytes: u32) -> R
     };
     let policy = shape.policy().map_err(wrong)?;
     TexelCache::new(shape.geometry(), policy, bytes, detail).map_err(|error| wrong(error.to_string()))
-}
-
-/// Pyramids of one texture, each made and laid out once.
-#[derive(Debug, Default)]
-pub struct Pyramids {
-    made: Vec<(PyramidKind, Held)>,
-}
-
-impl Pyramids {
-    /// Makes the pyramids that some filters need.
-    ///
-    /// # Errors
-    /// A kernel or layout that cannot be built for this texture.
-    pub fn for_filters(machine: &Machine, texture: &TextureImage, filters: &[Filter]) -> Result<Self> {
-        let mut kinds: Vec<PyramidKind> = Vec::new();
-        for kind in filters.iter().map(|filter| filter.pyramid()) {
-            if !kinds.contains(&kind) {
-                kinds.push(kind);
-            }
-        }
-        let made = kinds.into_par_iter().map(|kind| Ok((kind, machine.texture.hold(kind, texture)?)));
-        Ok(Self { made: made.collect::<Result<_>>()? })
-    }
-
-    /// The pyramid of a filter that was named when they were made.
-    ///
-    /// # Panics
-    /// If it was not.
-    #[must_use]
-    pub fn of(&self, filter: Filter) -> (&Pyramid, &TextureMemory) {
-        let kind = filter.pyramid();
-        let (_, held) = self.made.iter().find(|(known, _)| *known == kind).expect("made for this filter");
-        (&held.pyramid, &held.memory)
-    }
 }

@@ -14,6 +14,7 @@ use super::{
     parameters::Parameters,
     queue::{Fifo, Ledger, Width},
     tap_reads::TapReads,
+    taps::Taps,
 };
 
 /// The units and FIFOs a tap always passes.
@@ -64,16 +65,6 @@ pub(super) struct Counts {
     pub(super) tag_stall_blocked: u64,
     pub(super) data_stall_fill: u64,
     pub(super) data_stall_result_fifo: u64,
-}
-
-/// Taps to be timed, by number.
-pub(super) trait Taps {
-    /// Storage index of the plane.
-    fn plane(&self, tap: usize) -> u16;
-    /// The addresses it reads, in order.
-    fn addresses(&self, tap: usize) -> &[u64];
-    /// Whether it is known that they are in as many data banks.
-    fn apart(&self, tap: usize) -> bool;
 }
 
 /// What is kept beside the pipeline.

@@ -7,9 +7,10 @@ use super::{
     counters::PlaneTiming,
     events::{FillTimes, RequestTimes, TapTimes, TimingObserver},
     parameters::{Mode, Parameters},
-    pipeline::{Beside, Pipeline, Taps, latencies, planes_among},
+    pipeline::{Beside, Pipeline, latencies, planes_among},
     queue::Ledger,
     tap_reads::TapReads,
+    taps::Taps,
 };
 
 /// A unit that takes one item a clock: the first clock it is free in.
