@@ -57,7 +57,7 @@ impl GroundTruth {
     }
 
     /// The same for one shape: what is under a sub-sample is asked for every one.
-    fn of_shape(scene: &Scene, texture: &RgbaImage, surface: &Surface, shape: &(impl Shape + Sync)) -> Self {
+    fn of_shape(scene: &Scene, texture: &RgbaImage, surface: &Surface, shape: &(impl UvAt + Sync)) -> Self {
         let (source, _) = texture.as_raw().as_chunks::<4>();
         let texel = |x: u32, y: u32| source[y as usize * texture.width() as usize + x as usize];
         let places = Places::new(scene.ground_truth.jitter);
@@ -112,20 +112,20 @@ pub fn footprint_average(
     average(supersampling.samples, Places::new(supersampling.jitter), fragment, texel, size, wrap, fragment)
 }
 
-/// What lies under points of the screen.
-trait Shape {
+/// Whatever lies under points of the screen.
+trait UvAt {
     /// Normalised (u, v), `None` where the shape is not.
     fn uv_at(&self, x: f64, y: f64) -> Option<(f64, f64)>;
 }
 
-impl Shape for Plane {
+impl UvAt for Plane {
     #[inline(always)]
     fn uv_at(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         self.uv_at(x, y)
     }
 }
 
-impl Shape for Quadric {
+impl UvAt for Quadric {
     #[inline(always)]
     fn uv_at(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         self.uv_at(x, y)
@@ -133,7 +133,7 @@ impl Shape for Quadric {
 }
 
 /// The plane that touches an unknown surface in a fragment.
-impl Shape for Fragment {
+impl UvAt for Fragment {
     #[inline(always)]
     fn uv_at(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         let Gradient { ux, uy, vx, vy } = self.gradient;
@@ -188,7 +188,7 @@ fn samples_for(squared_sigma1: f32, least: u32) -> u32 {
 fn average(
     least: u32,
     places: Places,
-    shape: &impl Shape,
+    shape: &impl UvAt,
     texel: impl Fn(u32, u32) -> [u8; 4] + Copy,
     size: [u32; 2],
     wrap: [AddressMode; 2],

@@ -80,7 +80,8 @@ impl<const WAYS: usize> RecencyTags<WAYS> {
         Outcome::Miss { slot: slot(carried), evicted: (former != Self::empty(set, count)).then_some(former) }
     }
 
-    /// Looks up the lines of byte addresses; the answer is the number of misses.
+    /// Looks up the lines of byte addresses; the answer is the number of misses. Compiled on its own: among the loops of other engines the host
+    /// has no registers left for this one.
     #[inline(never)]
     pub(super) fn run<O: Observer>(
         &mut self,

@@ -139,7 +139,8 @@ impl<R: Replacement> Tags<R> {
         Outcome::Miss { slot, evicted }
     }
 
-    /// Looks up the lines of byte addresses; the answer is the number of misses.
+    /// Looks up the lines of byte addresses; the answer is the number of misses. Compiled on its own: among the loops of other engines the host
+    /// has no registers left for this one.
     #[inline(never)]
     pub(super) fn run<O: Observer>(
         &mut self,

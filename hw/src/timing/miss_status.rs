@@ -57,6 +57,7 @@ impl MissStatus {
     /// Takes an entry in `clock`, as [`Self::room`] allows, that can be taken again from `free` on.
     pub(super) fn hold(&mut self, clock: u64, free: u64) {
         self.release(clock);
+        // Most lines come in order.
         if self.held.back().is_none_or(|&last| last <= free) {
             self.held.push_back(free);
         } else {
