@@ -1,5 +1,7 @@
 //! What is between the address unit and the datapath: a batch of taps, and whoever looks at them.
 
+use alloc::vec::Vec;
+
 use crate::{
     address::{Footprint, is_outside},
     surface::Surface,
@@ -41,6 +43,14 @@ impl<'b> Batch<'b> {
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Where the taps of each request end, in taps from the start of the batch.
+    pub(crate) fn ends_into(&self, ends: &mut Vec<u32>) {
+        match self.requests {
+            Requests::Each(taps) => ends.extend((1..=self.len()).map(|number| (number * taps) as u32)),
+            Requests::Ends(these) => ends.extend_from_slice(these),
+        }
     }
 
     /// The taps of each request.

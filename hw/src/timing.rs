@@ -4,6 +4,7 @@
 //! clocks (max-plus). [`Timing`] computes them tap by tap as the address stream passes. The machine is docs/timing.md; the
 //! simulator that ticks, and with which this must agree on every clock, is in the tests.
 
+mod ample;
 mod banks;
 mod counters;
 mod data_banks;
@@ -14,9 +15,9 @@ mod memory;
 mod miss_status;
 mod misses;
 mod parameters;
+mod passing;
 mod pipeline;
 mod queue;
-mod single;
 mod tap_reads;
 mod taps;
 
@@ -35,10 +36,9 @@ use crate::{
     cache::TexelCache,
     lanes::BankLanes,
 };
-use counters::Spread;
+use ample::Ample;
 use misses::Misses;
 use pipeline::{Beside, Pipeline};
-use queue::{Fifo, Ledger};
 use tap_reads::TapReads;
 use taps::{Gathered, InPlace, Taps};
 
@@ -84,9 +84,7 @@ pub struct Timing<O = ()> {
     line_shift: u32,
     /// Clocks of writing one line into the banks.
     line_write: u64,
-    /// Whether the machine does one thing a clock.
-    single: bool,
-    pipeline: Pipeline,
+    pipe: Pipe,
     misses: Misses,
     observer: O,
     planes: Vec<PlaneTiming>,
@@ -97,8 +95,15 @@ pub struct Timing<O = ()> {
     /// Their addresses, where they are not those of footprints.
     gathered: Gathered,
     bank_lanes: Option<BankLanes>,
-    /// Eight taps of the batch a byte: whether their words are known to lie in different banks.
-    apart: Vec<u8>,
+    /// Where the requests of the batch at hand end.
+    ends: Vec<u32>,
+}
+
+/// What taps pass: the way of any machine, or that of one whose tag unit is the first to be held up.
+#[derive(Clone, Debug)]
+enum Pipe {
+    Any(Pipeline),
+    Ample(Ample),
 }
 
 impl<O: TimingObserver> Timing<O> {
@@ -118,7 +123,6 @@ impl<O: TimingObserver> Timing<O> {
         parameters.check(reads_per_tap, cache.bytes_per_read()).map_err(TimingBuildError::Timing)?;
         memory.check(geometry.line).map_err(TimingBuildError::Timing)?;
         let p = *parameters;
-        let one_by_one = p.data_hash == BankHash::Low && Pipeline::is_single(&p);
         Ok(Self {
             parameters: p,
             line_shift: geometry.line.trailing_zeros(),
@@ -126,16 +130,16 @@ impl<O: TimingObserver> Timing<O> {
                 0 => 0,
                 bytes => geometry.line.div_ceil(bytes).into(),
             },
-            single: Pipeline::is_single(&p),
-            pipeline: Pipeline::new(&p),
+            pipe: if Ample::fits(&p) { Pipe::Ample(Ample::new(&p)) } else { Pipe::Any(Pipeline::new(&p)) },
             misses: Misses::new(&p, memory, &cache)?,
             observer,
             planes: Vec::new(),
             histograms: Histograms::default(),
             reads: TapReads::default(),
             gathered: Gathered::default(),
-            bank_lanes: BankLanes::new(p.data_bank_bytes.trailing_zeros(), p.data_banks).filter(|_| one_by_one),
-            apart: Vec::new(),
+            bank_lanes: BankLanes::new(p.data_bank_bytes.trailing_zeros(), p.data_banks)
+                .filter(|_| p.data_hash == BankHash::Low && Ample::fits(&p)),
+            ends: Vec::new(),
             cache,
         })
     }
@@ -152,63 +156,85 @@ impl<O: TimingObserver> Timing<O> {
             gathered.tap(plane as u16);
             addresses.iter().for_each(|&address| gathered.read(address));
         }
-        self.look_up_and_time(core::iter::once(gathered.len()), &gathered);
+        self.ends.clear();
+        self.ends.push(gathered.number() as u32);
+        self.look_up_and_time(&gathered);
         self.gathered = gathered;
     }
 
     /// Looks up taps address by address, and times them.
-    fn look_up_and_time(&mut self, taps_of_requests: impl Iterator<Item = usize>, taps: &Gathered) {
-        self.reads.clear(taps.len());
-        for tap in 0..taps.len() {
+    fn look_up_and_time(&mut self, taps: &Gathered) {
+        self.reads.clear(taps.number());
+        for tap in 0..taps.number() {
             self.reads.tap();
             self.cache.read_observed(taps.plane(tap).into(), taps.addresses(tap), &mut self.reads);
         }
-        self.time(taps_of_requests, taps);
+        let (pipe, _, reads, ends, mut beside) = self.parts();
+        if ends.is_empty() {
+            return;
+        }
+        match pipe {
+            Pipe::Any(pipe) => pipe.time(ends, taps, reads, beside),
+            Pipe::Ample(pipe) => {
+                pipe.begin(taps, &mut beside).pass(reads.accesses());
+                pipe.end(ends, taps, beside);
+            }
+        }
     }
 
-    /// Times taps that have been looked up.
-    fn time(&mut self, taps_of_requests: impl Iterator<Item = usize>, taps: &impl Taps) {
-        let Self { parameters, line_write, line_shift, misses, planes, histograms, observer, reads, .. } = self;
+    /// Looks up taps run by run, and times them.
+    fn look_up_in_runs_and_time(&mut self, batch: Batch<'_>, taps: &InPlace<'_>) {
+        let (pipe, cache, reads, ends, mut beside) = self.parts();
+        if ends.is_empty() {
+            return;
+        }
+        match pipe {
+            Pipe::Any(pipe) => {
+                reads.clear(batch.taps.len());
+                cache.take_observed(batch, reads);
+                pipe.time(ends, taps, reads, beside);
+            }
+            Pipe::Ample(pipe) => {
+                let mut passing = pipe.begin(taps, &mut beside);
+                cache.take_observed(batch, &mut passing);
+                passing.finish();
+                pipe.end(ends, taps, beside);
+            }
+        }
+    }
+
+    /// What taps pass, the cache, what is known of their reads, where their requests end, and all beside.
+    fn parts(&mut self) -> (&mut Pipe, &mut TexelCache, &mut TapReads, &[u32], Beside<'_, O>) {
+        let Self { parameters, line_write, line_shift, pipe, misses, planes, histograms, observer, .. } = self;
         let (line_write, line_shift) = (*line_write, *line_shift);
         let beside = Beside { parameters, line_write, line_shift, misses, planes, histograms, observer };
-        if self.single {
-            self.pipeline.time_single(taps_of_requests, taps, reads, beside);
-        } else {
-            self.pipeline.time(taps_of_requests, taps, reads, beside);
-        }
+        // Requests without taps are in nobody's way.
+        self.ends.dedup();
+        let ends = if self.ends.first() == Some(&0) { &self.ends[1..] } else { &self.ends };
+        (pipe, &mut self.cache, &mut self.reads, ends, beside)
     }
 
     /// Totals so far.
     #[must_use]
     pub fn counters(&self) -> TimingCounters {
-        let (pipe, misses, counts) = (&self.pipeline, &self.misses, &self.pipeline.counts);
-        let cycles = counts.cycles;
+        let misses = &self.misses;
         let sum = |field: fn(&PlaneTiming) -> u64| self.planes.iter().map(field).sum::<u64>();
         let mut c = TimingCounters {
-            cycles,
-            requests: counts.requests,
-            taps: counts.taps,
             reads: sum(|row| row.reads),
             fetches_ok: sum(|row| row.fetches_ok),
             fetches_failed: sum(|row| row.fetches_failed),
             fetches_merged: sum(|row| row.fetches_merged),
-            tag_bank_conflicts: counts.tag_bank_conflicts,
-            data_words: counts.data_words,
-            data_conflict_clocks: counts.data_conflict_clocks,
-            fill_write_clocks: counts.fill_write_clocks,
-            lod_stall_lod_fifo: counts.lod_stall_lod_fifo,
-            sequencer_stall_tap_fifo: counts.sequencer_stall_tap_fifo,
-            tag_stall_fragment_fifo: counts.tag_stall_fragment_fifo,
-            tag_stall_merge: counts.tag_stall_merge,
-            tag_stall_blocked: counts.tag_stall_blocked,
             tag_stall_reorder_buffer: misses.stalls.reorder_buffer,
             tag_stall_miss_status: misses.stalls.miss_status,
             tag_stall_miss_queue: misses.stalls.miss_queue,
             miss_port_stall_memory: misses.stalls.memory,
-            data_stall_fill: counts.data_stall_fill,
-            data_stall_result_fifo: counts.data_stall_result_fifo,
             ..TimingCounters::default()
         };
+        match &self.pipe {
+            Pipe::Any(pipe) => pipe.count(&mut c),
+            Pipe::Ample(pipe) => pipe.count(&mut c),
+        }
+        let cycles = c.cycles;
         c.fetches_skipped = c.reads - c.fetches_ok - c.fetches_failed;
         c.fills = c.fetches_failed;
         c.bytes_filled = c.fills << self.line_shift;
@@ -221,37 +247,15 @@ impl<O: TimingObserver> Timing<O> {
             + c.tag_stall_blocked;
         c.stall_wait_read = c.data_stall_fill;
         c.stall_ready_read = c.data_stall_result_fifo + c.data_conflict_clocks;
+        // The datapath takes what the data unit finishes; neither it nor the result is ever held up.
+        c.datapath_idle = cycles - c.datapath_busy;
+        c.result_idle = cycles - c.result_busy;
 
-        let close = |mut ledger: Ledger| {
-            ledger.idle_until(cycles);
-            (ledger.busy, ledger.idle)
-        };
-        // The requester is never without a request before the last; the datapath takes what the data unit finishes; neither it nor
-        // the result is ever held up.
-        c.entry_busy = pipe.entry.busy();
-        c.entry_idle = cycles - (pipe.entry.last() + 1).min(cycles);
-        c.entry_stall_request_fifo = cycles - c.entry_idle - c.entry_busy;
-        (c.datapath_busy, c.datapath_idle) = (pipe.data.busy(), cycles - pipe.data.busy());
-        (c.result_busy, c.result_idle) = (pipe.result.busy(), cycles - pipe.result.busy());
-        (c.lod_busy, c.lod_idle) = close(pipe.ledgers.lod);
-        (c.sequencer_busy, c.sequencer_idle) = close(pipe.ledgers.sequencer);
-        (c.tag_busy, c.tag_idle) = close(pipe.ledgers.tag);
-        (c.miss_port_busy, c.miss_port_idle) = close(misses.port);
-        (c.data_busy, c.data_idle) = close(pipe.ledgers.data);
-
-        let usage = |fifo: &Fifo| (fifo.clocks(), fifo.most());
-        (c.request_fifo_sum, c.request_fifo_max) = usage(&pipe.request_fifo);
-        (c.lod_fifo_sum, c.lod_fifo_max) = usage(&pipe.lod_fifo);
-        (c.tap_fifo_sum, c.tap_fifo_max) = usage(&pipe.tap_fifo);
-        (c.fragment_fifo_sum, c.fragment_fifo_max) = usage(&pipe.fragment_fifo);
-        (c.result_fifo_sum, c.result_fifo_max) = usage(&pipe.result_fifo);
-        (c.miss_queue_sum, c.miss_queue_max) = usage(&misses.miss_queue);
-        (c.reorder_buffer_sum, c.reorder_buffer_max) = usage(&misses.reorder_buffer);
+        (c.miss_port_busy, c.miss_port_idle) = misses.port.closed(cycles);
+        (c.miss_queue_sum, c.miss_queue_max) = misses.miss_queue.usage();
+        (c.reorder_buffer_sum, c.reorder_buffer_max) = misses.reorder_buffer.usage();
         (c.miss_status_sum, c.miss_status_max) = misses.status.usage();
-
-        let spread = |spread: &Spread| (spread.sum, spread.least(), spread.most);
-        (c.request_latency_sum, c.request_latency_min, c.request_latency_max) = spread(&pipe.request_latency);
-        (c.fill_latency_sum, c.fill_latency_min, c.fill_latency_max) = spread(&misses.fill_latency);
+        (c.fill_latency_sum, c.fill_latency_min, c.fill_latency_max) = misses.fill_latency.all();
 
         c.decompressor_idle = cycles;
         if let Some(decompressor) = &misses.decompressor {
@@ -278,7 +282,8 @@ impl<O: TimingObserver> Timing<O> {
             let bytes_fetched = if self.misses.decompressor.is_some() { row.bytes_fetched } else { bytes_filled };
             PlaneTiming { bytes_filled, bytes_fetched, ..*row }
         };
-        self.planes.iter().map(of).collect()
+        let used = self.planes.iter().rposition(|row| row.taps > 0).map_or(0, |last| last + 1);
+        self.planes[..used].iter().map(of).collect()
     }
 
     /// Requests by taps, planes and probes.
@@ -303,14 +308,14 @@ impl<O: TimingObserver> Timing<O> {
 impl<O: TimingObserver> Sink for Timing<O> {
     /// Times the requests of a batch.
     fn take(&mut self, batch: Batch<'_>) {
-        let taps_of_requests = batch.per_request().map(<[Footprint]>::len);
+        self.ends.clear();
+        batch.ends_into(&mut self.ends);
         let any_outside = |taps: &[Footprint]| {
             let addresses = taps.iter().flat_map(|tap| &tap.address[..batch.texels_per_tap]);
             is_outside(addresses.fold(0, |all, address| all | address))
         };
         let mut rest = batch.taps;
-        self.apart.clear();
-        let mut outside = false;
+        let (mut outside, mut all_apart) = (false, true);
         if let Some(lanes) = self.bank_lanes.filter(|_| batch.texels_per_tap == 4) {
             let eights;
             (eights, rest) = batch.taps.as_chunks();
@@ -318,7 +323,7 @@ impl<O: TimingObserver> Sink for Timing<O> {
                 // Addresses of 32 bits are inside.
                 let apart = lanes.apart(eight);
                 outside |= apart.is_none() && any_outside(eight);
-                self.apart.push(apart.unwrap_or(0));
+                all_apart &= apart == Some(0xFF);
             }
         }
         outside |= any_outside(rest);
@@ -329,14 +334,12 @@ impl<O: TimingObserver> Sink for Timing<O> {
                 gathered.tap(tap.plane);
                 Batch { taps: core::slice::from_ref(tap), ..batch }.for_each_read(|_, address| gathered.read(address));
             }
-            self.look_up_and_time(taps_of_requests, &gathered);
+            self.look_up_and_time(&gathered);
             self.gathered = gathered;
             return;
         }
-        self.reads.clear(batch.taps.len());
-        self.cache.take_observed(batch, &mut self.reads);
-        let apart = core::mem::take(&mut self.apart);
-        self.time(taps_of_requests, &InPlace { taps: batch.taps, texels: batch.texels_per_tap, apart: &apart });
-        self.apart = apart;
+        let all_apart = batch.texels_per_tap == 1 || all_apart && rest.is_empty();
+        let (texels, planes) = (batch.texels_per_tap, batch.surface.planes.len());
+        self.look_up_in_runs_and_time(batch, &InPlace { taps: batch.taps, texels, planes, all_apart });
     }
 }

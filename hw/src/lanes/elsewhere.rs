@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 
+use super::{EightRuns, RunShape};
 use crate::{
     address::Footprint,
     datapath::Texel,

@@ -29,14 +29,41 @@ impl BankHash {
     }
 }
 
+/// Which of some banks a number is in.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BankOf {
+    banks: u32,
+    hash: BankHash,
+    /// Banks less one where they are a power of two and nothing is hashed; else all ones.
+    mask: u64,
+}
+
+impl BankOf {
+    pub(super) fn new(banks: u32, hash: BankHash) -> Self {
+        let simple = hash == BankHash::Low && banks.is_power_of_two();
+        let mask = if simple { u64::from(banks - 1) } else { u64::MAX };
+        Self { banks, hash, mask }
+    }
+
+    /// The bank a number is in.
+    #[inline(always)]
+    pub(super) fn bank(&self, number: u64) -> usize {
+        if self.mask != u64::MAX {
+            return (number & self.mask) as usize;
+        }
+        (match self.hash {
+            BankHash::Low => number % u64::from(self.banks),
+            BankHash::Xor => fold(number, self.banks.trailing_zeros()),
+        }) as usize
+    }
+}
+
 /// Banks that each take a few accesses a clock.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Banks {
     stamps: Vec<Stamp>,
-    hash: BankHash,
+    bank_of: BankOf,
     ports: u32,
-    /// Banks less one where they are a power of two and nothing is hashed; else all ones.
-    mask: u64,
 }
 
 /// The clock of a bank's last access, and how many it had in that clock.
@@ -48,22 +75,13 @@ struct Stamp {
 
 impl Banks {
     pub(super) fn new(banks: u32, ports: u32, hash: BankHash) -> Self {
-        let simple = hash == BankHash::Low && banks.is_power_of_two();
-        let mask = if simple { u64::from(banks - 1) } else { u64::MAX };
-        Self { stamps: vec![Stamp::default(); banks as usize], hash, ports, mask }
+        Self { stamps: vec![Stamp::default(); banks as usize], bank_of: BankOf::new(banks, hash), ports }
     }
 
     /// The bank a number is in.
     #[inline(always)]
     pub(super) fn bank(&self, number: u64) -> usize {
-        if self.mask != u64::MAX {
-            return (number & self.mask) as usize;
-        }
-        let banks = self.stamps.len();
-        (match self.hash {
-            BankHash::Low => number % banks as u64,
-            BankHash::Xor => fold(number, banks.trailing_zeros()),
-        }) as usize
+        self.bank_of.bank(number)
     }
 
     /// The first clock from `earliest` on at which a bank has a port left, and takes it. Later calls for the bank must not ask

@@ -251,9 +251,9 @@ impl Default for Histograms {
 /// Sum, least and most.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spread {
-    pub(super) sum: u64,
+    sum: u64,
     least: u64,
-    pub(super) most: u64,
+    most: u64,
 }
 
 impl Default for Spread {
@@ -270,7 +270,8 @@ impl Spread {
         self.most = self.most.max(value);
     }
 
-    pub(super) const fn least(&self) -> u64 {
-        if self.least == u64::MAX { 0 } else { self.least }
+    /// Sum, least (0 of none) and most.
+    pub(super) const fn all(&self) -> (u64, u64, u64) {
+        (self.sum, if self.least == u64::MAX { 0 } else { self.least }, self.most)
     }
 }

@@ -247,8 +247,7 @@ impl Dram {
 
     /// Clocks of places held in all channels, and the most held in one.
     pub(super) fn queue_use(&self) -> (u64, u64) {
-        let clocks = self.channels.iter().map(|channel| channel.queue.clocks()).sum();
-        let most = self.channels.iter().map(|channel| channel.queue.most()).max().unwrap_or(0);
-        (clocks, most)
+        let usages = self.channels.iter().map(|channel| channel.queue.usage());
+        usages.fold((0, 0), |(all, most), (clocks, held)| (all + clocks, most.max(held)))
     }
 }

@@ -68,6 +68,8 @@ pub struct StoredFetch {
 
 /// Whoever wants to know.
 pub trait TimingObserver {
+    /// Whether anything is done with what is told.
+    const WATCHES: bool = true;
     /// A line on its way. Where it is decompressed on it, also what was asked for; otherwise that was the line and nothing is said of it.
     fn fill(&mut self, fill: FillTimes, stored: &[StoredFetch]);
     /// A tap that has been timed.
@@ -77,6 +79,8 @@ pub trait TimingObserver {
 }
 
 impl TimingObserver for () {
+    const WATCHES: bool = false;
+
     #[inline(always)]
     fn fill(&mut self, _: FillTimes, _: &[StoredFetch]) {}
     #[inline(always)]
@@ -86,6 +90,8 @@ impl TimingObserver for () {
 }
 
 impl<O: TimingObserver> TimingObserver for &mut O {
+    const WATCHES: bool = O::WATCHES;
+
     fn fill(&mut self, fill: FillTimes, stored: &[StoredFetch]) {
         (**self).fill(fill, stored);
     }

@@ -182,6 +182,7 @@ impl Memory {
     }
 
     /// Fetches what is asked for; the memory can be asked from `earliest` on.
+    #[inline(always)]
     pub(super) fn fetch(&mut self, ask: Ask, earliest: u64) -> Fetch {
         let (fetch, below) = match &mut self.second_level {
             Some(second) => (second.fetch(&mut self.main, ask, earliest), second.line),

@@ -6,11 +6,11 @@ use alloc::{collections::VecDeque, vec, vec::Vec};
 #[derive(Clone, Debug)]
 pub(super) struct MissStatus {
     entries: usize,
-    merges: u32,
     /// First clocks at which the entries held can be taken again, in order. Lines may come out of order, so this is sorted.
     held: VecDeque<u64>,
     most: usize,
     clocks: u64,
+    merges: u32,
     slots: Vec<Slot>,
 }
 
@@ -18,34 +18,36 @@ pub(super) struct MissStatus {
 struct Slot {
     /// Clock from which the slot's line can be read.
     filled: u64,
-    /// Accesses merged with it.
-    merged: u32,
+    /// Hits since it was asked for.
+    hits: u32,
 }
 
 impl MissStatus {
     pub(super) fn new(entries: u32, merges: u32, slots: usize) -> Self {
         let entries = entries as usize;
-        Self { entries, merges, held: VecDeque::new(), most: 0, clocks: 0, slots: vec![Slot::default(); slots] }
+        Self { entries, held: VecDeque::new(), most: 0, clocks: 0, merges, slots: vec![Slot::default(); slots] }
     }
 
-    /// When the line of a slot is there.
+    /// Hits the line of a slot in a clock that is not before that of the hit before. The answer is the clock in which that can be done, which is when the
+    /// line is there if it is on its way and takes no more merges; and whether it is merged.
     #[inline(always)]
-    pub(super) fn filled(&self, slot: u32) -> u64 {
-        self.slots[slot as usize].filled
-    }
-
-    /// Merges an access with a line on its way, if it takes one more.
-    #[inline(always)]
-    pub(super) fn merge(&mut self, slot: u32) -> bool {
+    pub(super) fn hit(&mut self, slot: u32, clock: u64) -> (u64, bool) {
         let slot = &mut self.slots[slot as usize];
-        let merges = slot.merged < self.merges;
-        slot.merged += u32::from(merges);
-        merges
+        // If this hit is before the line is there, so were all before it, and they were merged.
+        let merged = slot.hits;
+        slot.hits = slot.hits.wrapping_add(1);
+        if clock >= slot.filled {
+            (clock, false)
+        } else if merged < self.merges {
+            (clock, true)
+        } else {
+            (slot.filled, false)
+        }
     }
 
     /// A slot gets a new line.
     pub(super) fn fill(&mut self, slot: u32, filled: u64) {
-        self.slots[slot as usize] = Slot { filled, merged: 0 };
+        self.slots[slot as usize] = Slot { filled, hits: 0 };
     }
 
     /// The first clock from `clock` on with a free entry.
@@ -55,6 +57,7 @@ impl MissStatus {
     }
 
     /// Takes an entry in `clock`, as [`Self::room`] allows, that can be taken again from `free` on.
+    #[inline(always)]
     pub(super) fn hold(&mut self, clock: u64, free: u64) {
         self.release(clock);
         // Most lines come in order.

@@ -54,8 +54,8 @@ pub(super) struct Missed {
     /// Clock of the access.
     pub(super) clock: u64,
     pub(super) fetch: Fetch,
-    /// The tag unit's, the clocks it waited entered.
-    pub(super) tag: Ledger,
+    /// First clock of the tag unit without an entry, those it waited entered.
+    pub(super) next: u64,
 }
 
 impl Misses {
@@ -82,18 +82,19 @@ impl Misses {
         })
     }
 
-    /// An access that misses `line`, which comes to `slot`, the tag unit being free for it from `clock` on; its tap has missed
-    /// `earlier` lines before.
-    #[inline(never)]
+    /// An access that misses `line`, which comes to `slot`, the tag unit being free for it from `clock` on and its clocks entered to
+    /// before `next`; its tap has missed `earlier` lines before.
+    #[inline(always)]
     pub(super) fn miss(
         &mut self,
         line: u64,
         slot: u32,
         mut clock: u64,
         earlier: usize,
-        mut tag: Ledger,
+        next: u64,
         row: &mut PlaneTiming,
     ) -> Missed {
+        let mut tag = Ledger::new(next, 0, 0);
         if self.prefetching {
             let room = self.reorder_buffer.room_ahead(earlier);
             tag.stall_until(room, &mut self.stalls.reorder_buffer);
@@ -127,7 +128,7 @@ impl Misses {
         self.fill_latency.add(fetch.filled - clock);
         row.fetches_failed += 1;
         row.fill_latency_sum += fetch.filled - clock;
-        Missed { clock, fetch, tag }
+        Missed { clock, fetch, next: tag.next() }
     }
 
     /// Asks the memory once.
@@ -177,7 +178,7 @@ impl Misses {
     }
 
     /// The tap at hand, which missed `count` lines, is read in clock `data`.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn read(&mut self, count: usize, data: u64) {
         if self.prefetching {
             for &access in &self.clocks[..count] {

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use super::{
     banks::Banks,
-    counters::{HISTOGRAM_MAX, Histograms, PlaneTiming, Spread},
+    counters::{HISTOGRAM_MAX, Histograms, PlaneTiming, Spread, TimingCounters},
     data_banks::DataBanks,
     events::{FillTimes, RequestTimes, TapTimes, TimingObserver},
     misses::Misses,
@@ -20,32 +20,32 @@ use super::{
 /// The units and FIFOs a tap always passes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pipeline {
-    pub(super) entry: Width,
+    entry: Width,
     lod: Width,
     sequencer: Width,
     /// Taps by the clock they finish in.
     tag: Width,
-    pub(super) data: Width,
-    pub(super) result: Width,
-    pub(super) request_fifo: Fifo,
-    pub(super) lod_fifo: Fifo,
-    pub(super) tap_fifo: Fifo,
-    pub(super) fragment_fifo: Fifo,
-    pub(super) result_fifo: Fifo,
-    pub(super) tag_banks: Banks,
-    pub(super) data_banks: DataBanks,
-    pub(super) ledgers: Ledgers,
-    pub(super) counts: Counts,
-    pub(super) request_latency: Spread,
+    data: Width,
+    result: Width,
+    request_fifo: Fifo,
+    lod_fifo: Fifo,
+    tap_fifo: Fifo,
+    fragment_fifo: Fifo,
+    result_fifo: Fifo,
+    tag_banks: Banks,
+    data_banks: DataBanks,
+    ledgers: Ledgers,
+    counts: Counts,
+    request_latency: Spread,
 }
 
 /// Where the clocks of each unit went.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Ledgers {
-    pub(super) lod: Ledger,
-    pub(super) sequencer: Ledger,
-    pub(super) tag: Ledger,
-    pub(super) data: Ledger,
+struct Ledgers {
+    lod: Ledger,
+    sequencer: Ledger,
+    tag: Ledger,
+    data: Ledger,
 }
 
 /// What is counted on the way; the names are those of the counters.
@@ -99,11 +99,11 @@ impl Pipeline {
         }
     }
 
-    /// Times requests of so many taps each, whose line accesses are known.
+    /// Times requests, whose taps end where `ends` says, and whose line accesses are known.
     #[inline(always)]
     pub(super) fn time<O: TimingObserver>(
         &mut self,
-        taps_of_requests: impl Iterator<Item = usize>,
+        ends: &[u32],
         taps: &impl Taps,
         reads: &TapReads,
         beside: Beside<'_, O>,
@@ -112,10 +112,7 @@ impl Pipeline {
         let Beside { parameters: p, line_write, line_shift, misses, planes, histograms, observer } = beside;
         let [lod_latency, address_latency, tag_latency, data_latency, filter_latency] = latencies(p);
         let (mut number, mut accesses) = (0, reads.accesses().iter().peekable());
-        for count in taps_of_requests {
-            if count == 0 {
-                continue;
-            }
+        for &end in ends {
             // Entry and LOD unit.
             let entry = pipe.entry.take(pipe.request_fifo.room());
             let room = pipe.lod_fifo.room();
@@ -124,7 +121,7 @@ impl Pipeline {
             pipe.request_fifo.pass(entry, lod + 1);
             let at_sequencer = lod + lod_latency;
 
-            let end = number + count;
+            let end = end as usize;
             let (mut issue, mut data, mut datapath) = (0, 0, 0);
             for tap in number..end {
                 let (plane, addresses) = (taps.plane(tap), taps.addresses(tap));
@@ -157,18 +154,17 @@ impl Pipeline {
                     let mut clock = pipe.tag_banks.earliest(bank, from);
                     pipe.counts.tag_bank_conflicts += u64::from(clock > from);
                     if access.hit {
-                        let filled = misses.status.filled(access.slot);
-                        if clock < filled {
-                            if misses.status.merge(access.slot) {
-                                row.fetches_merged += 1;
-                            } else {
-                                pipe.ledgers.tag.stall_until(filled, &mut pipe.counts.tag_stall_merge);
-                                clock = filled;
-                            }
+                        let (made, merged) = misses.status.hit(access.slot, clock);
+                        row.fetches_merged += u64::from(merged);
+                        if made > clock {
+                            pipe.ledgers.tag.stall_until(made, &mut pipe.counts.tag_stall_merge);
+                            clock = made;
                         }
                     } else {
-                        let miss = misses.miss(access.line, access.slot, clock, missed, pipe.ledgers.tag, row);
-                        (clock, pipe.ledgers.tag) = (miss.clock, miss.tag);
+                        let next = pipe.ledgers.tag.next();
+                        let miss = misses.miss(access.line, access.slot, clock, missed, next, row);
+                        clock = miss.clock;
+                        pipe.ledgers.tag.entered_until(miss.next);
                         filled = filled.max(miss.fetch.filled);
                         missed += 1;
                         let fill = FillTimes {
@@ -244,10 +240,54 @@ impl Pipeline {
             pipe.counts.requests += 1;
             pipe.counts.cycles = result + 1;
             pipe.request_latency.add(result - entry);
-            histograms.add((count, planes_among(taps, number, end)), 1);
+            histograms.add((end - number, planes_among(taps, number, end)), 1);
             number = end;
         }
         *self = pipe;
+    }
+}
+
+impl Pipeline {
+    /// Enters what this knows.
+    pub(super) fn count(&self, c: &mut TimingCounters) {
+        self.counts.enter(c);
+        let cycles = c.cycles;
+        // The requester is never without a request before the last.
+        c.entry_busy = self.entry.busy();
+        c.entry_idle = cycles - (self.entry.last() + 1).min(cycles);
+        c.entry_stall_request_fifo = cycles - c.entry_idle - c.entry_busy;
+        c.datapath_busy = self.data.busy();
+        c.result_busy = self.result.busy();
+        (c.lod_busy, c.lod_idle) = self.ledgers.lod.closed(cycles);
+        (c.sequencer_busy, c.sequencer_idle) = self.ledgers.sequencer.closed(cycles);
+        (c.tag_busy, c.tag_idle) = self.ledgers.tag.closed(cycles);
+        (c.data_busy, c.data_idle) = self.ledgers.data.closed(cycles);
+        (c.request_fifo_sum, c.request_fifo_max) = self.request_fifo.usage();
+        (c.lod_fifo_sum, c.lod_fifo_max) = self.lod_fifo.usage();
+        (c.tap_fifo_sum, c.tap_fifo_max) = self.tap_fifo.usage();
+        (c.fragment_fifo_sum, c.fragment_fifo_max) = self.fragment_fifo.usage();
+        (c.result_fifo_sum, c.result_fifo_max) = self.result_fifo.usage();
+        (c.request_latency_sum, c.request_latency_min, c.request_latency_max) = self.request_latency.all();
+    }
+}
+
+impl Counts {
+    /// Enters them all.
+    pub(super) fn enter(&self, c: &mut TimingCounters) {
+        c.cycles = self.cycles;
+        c.requests = self.requests;
+        c.taps = self.taps;
+        c.data_words = self.data_words;
+        c.data_conflict_clocks = self.data_conflict_clocks;
+        c.fill_write_clocks = self.fill_write_clocks;
+        c.tag_bank_conflicts = self.tag_bank_conflicts;
+        c.lod_stall_lod_fifo = self.lod_stall_lod_fifo;
+        c.sequencer_stall_tap_fifo = self.sequencer_stall_tap_fifo;
+        c.tag_stall_fragment_fifo = self.tag_stall_fragment_fifo;
+        c.tag_stall_merge = self.tag_stall_merge;
+        c.tag_stall_blocked = self.tag_stall_blocked;
+        c.data_stall_fill = self.data_stall_fill;
+        c.data_stall_result_fifo = self.data_stall_result_fifo;
     }
 }
 

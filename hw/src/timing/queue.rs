@@ -1,26 +1,26 @@
 //! The two things that hold items up: a FIFO without a place and a unit as wide as it is. And the ledger of a unit's clocks.
 
-use alloc::{boxed::Box, vec};
+use alloc::{vec, vec::Vec};
 
 /// A FIFO by the clocks at which its places can be taken again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Fifo {
-    /// For the place of each of the last items, the first clock at which another can take it.
-    free: Box<[u64]>,
-    /// Place of the next item.
+    depth: usize,
+    /// For the places of items, in order, the first clock at which another can take them: before `next` of items long gone, from there on of
+    /// the last `depth`, and room for those to come. A list that begins again now and then costs an item less than a ring.
+    free: Vec<u64>,
+    /// The place the next item takes.
     next: usize,
-    /// Most places held, at least 1 here, and the place of the item that many before the next: one more are held when the next enters only if
-    /// that one still is.
+    /// Most places held, at least 1 here: one more are held when an item enters only if the item that many before it still holds its own.
     most: usize,
-    before: usize,
     /// Sum over items of the clocks they held a place.
     clocks: u64,
 }
 
 impl Fifo {
     pub(super) fn new(depth: u32) -> Self {
-        let free = vec![0; depth as usize].into();
-        Self { free, next: 0, most: 1, before: depth as usize - 1, clocks: 0 }
+        let depth = depth as usize;
+        Self { depth, free: vec![0; depth + depth.max(500)], next: 0, most: 1, clocks: 0 }
     }
 
     /// The first clock at which the next item can take a place.
@@ -32,33 +32,96 @@ impl Fifo {
     /// The same for the item `ahead` places behind the next, `ahead` below the depth.
     #[inline(always)]
     pub(super) fn room_ahead(&self, ahead: usize) -> u64 {
-        let place = self.next + ahead;
-        self.free[if place < self.free.len() { place } else { place - self.free.len() }]
+        self.free[self.next + ahead]
     }
 
     /// The next item takes its place in clock `enter`; another can take it from `free` on, which is later.
     #[inline(always)]
     pub(super) fn pass(&mut self, enter: u64, free: u64) {
-        let depth = self.free.len();
+        let mut end = self.next + self.depth;
+        if end == self.free.len() {
+            self.begin_again();
+            end = self.depth;
+        }
         // A FIFO that has been full once has held the most it can.
-        if self.most < depth {
-            if self.free[self.before] > enter {
-                self.most += 1;
-            } else {
-                self.before = if self.before + 1 == depth { 0 } else { self.before + 1 };
-            }
+        if self.most < self.depth && self.free[end - self.most] > enter {
+            self.most += 1;
         }
         self.clocks += free - enter;
-        self.free[self.next] = free;
-        self.next = if self.next + 1 == depth { 0 } else { self.next + 1 };
+        self.free[end] = free;
+        self.next += 1;
     }
 
-    pub(super) const fn most(&self) -> u64 {
-        if self.clocks == 0 { 0 } else { self.most as u64 }
+    /// The places of so many items to come: the room of item `i` is at `i`, and when another can take it from item `i` is to be written at
+    /// `i + depth`. To be followed by [`Self::entered`].
+    pub(super) fn places(&mut self, items: usize) -> (&mut [u64], usize) {
+        self.reserve(items);
+        (&mut self.free[self.next..][..self.depth + items], self.depth)
     }
 
-    pub(super) const fn clocks(&self) -> u64 {
-        self.clocks
+    /// Items entered in these clocks, whose places have been written.
+    pub(super) fn entered(&mut self, enters: &[u64]) {
+        self.enter(self.next + self.depth, enters);
+    }
+
+    /// [`Self::pass`] for items that take their places in clocks `enters` and give them back in clocks `leaves`.
+    pub(super) fn pass_all(&mut self, enters: &[u64], leaves: &[u64]) {
+        let end = self.leave(leaves);
+        self.enter(end, enters);
+    }
+
+    /// The next items give their places back in clocks `leaves`, which increase. They take them one a clock from `first` on, as soon as they
+    /// can: in what clocks is written to `enters`, and `first` is what it will be for those behind.
+    pub(super) fn pass_one_a_clock(&mut self, first: &mut u64, leaves: &[u64], enters: &mut Vec<u64>) {
+        let end = self.leave(leaves);
+        let rooms = &self.free[self.next..][..leaves.len()];
+        enters.clear();
+        if self.most == self.depth {
+            // When one has been held up, so are all behind it: places come free no faster than they are taken.
+            enters.extend_from_slice(rooms);
+        } else {
+            enters.extend(rooms.iter().zip(*first..).map(|(&room, free)| room.max(free)));
+        }
+        *first = enters.last().map_or(*first, |last| last + 1);
+        self.enter(end, enters);
+    }
+
+    /// Writes down when the next items give back their places. The answer is where the first of them stands.
+    fn leave(&mut self, leaves: &[u64]) -> usize {
+        self.reserve(leaves.len());
+        let end = self.next + self.depth;
+        self.free[end..][..leaves.len()].iter_mut().zip(leaves).for_each(|(free, leave)| *free = leave + 1);
+        end
+    }
+
+    /// Counts items that have been written down from `end` on.
+    fn enter(&mut self, end: usize, enters: &[u64]) {
+        let mut items = 0;
+        while self.most < self.depth && items < enters.len() {
+            self.most += usize::from(self.free[end + items - self.most] > enters[items]);
+            items += 1;
+        }
+        let held = self.free[end..][..enters.len()].iter().zip(enters).map(|(free, enter)| free.wrapping_sub(*enter));
+        self.clocks = self.clocks.wrapping_add(held.fold(0, u64::wrapping_add));
+        self.next += enters.len();
+    }
+
+    fn reserve(&mut self, items: usize) {
+        if self.next + self.depth + items > self.free.len() {
+            self.begin_again();
+            self.free.resize(self.free.len().max(self.depth + items), 0);
+        }
+    }
+
+    #[inline(never)]
+    fn begin_again(&mut self) {
+        self.free.copy_within(self.next..self.next + self.depth, 0);
+        self.next = 0;
+    }
+
+    /// Clocks of places held, and the most held.
+    pub(super) const fn usage(&self) -> (u64, u64) {
+        (self.clocks, if self.clocks == 0 { 0 } else { self.most as u64 })
     }
 }
 
@@ -100,19 +163,6 @@ impl Width {
         clock
     }
 
-    /// Of a width of 1, the first clock with room.
-    pub(super) fn next(&self) -> u64 {
-        self.clock + u64::from(self.used)
-    }
-
-    /// Of a width of 1, some items more, after which `next` is the first clock with room.
-    pub(super) fn add(&mut self, next: u64, items: u64) {
-        if items > 0 {
-            (self.clock, self.used) = (next - 1, 1);
-            self.busy += items;
-        }
-    }
-
     /// Clocks with an item.
     pub(super) const fn busy(&self) -> u64 {
         self.busy
@@ -130,14 +180,14 @@ impl Width {
 pub(super) struct Ledger {
     /// First clock not entered yet.
     next: u64,
-    pub(super) busy: u64,
-    pub(super) idle: u64,
+    busy: u64,
+    idle: u64,
 }
 
 impl Ledger {
-    /// A ledger whose first clock without an entry is this.
-    pub(super) fn at(next: u64) -> Self {
-        Self { next, ..Self::default() }
+    /// A ledger whose first clock without an entry is this, of which so many before it were busy and idle.
+    pub(super) const fn new(next: u64, busy: u64, idle: u64) -> Self {
+        Self { next, busy, idle }
     }
 
     /// The first clock without an entry.
@@ -146,11 +196,16 @@ impl Ledger {
         self.next
     }
 
-    /// Enters all clocks before `next`, so many of them busy and idle.
-    pub(super) fn add(&mut self, next: u64, busy: u64, idle: u64) {
+    /// The clocks before `next` have been entered elsewhere.
+    #[inline(always)]
+    pub(super) fn entered_until(&mut self, next: u64) {
         self.next = next;
-        self.busy += busy;
-        self.idle += idle;
+    }
+
+    /// Busy and idle clocks of a run of so many.
+    pub(super) fn closed(mut self, cycles: u64) -> (u64, u64) {
+        self.idle_until(cycles);
+        (self.busy, self.idle)
     }
 
     /// Nothing at the door before `clock`.

@@ -6,12 +6,18 @@ use crate::address::Footprint;
 
 /// Taps to be timed, by number.
 pub(super) trait Taps {
+    /// How many.
+    fn number(&self) -> usize;
     /// Storage index of the plane.
     fn plane(&self, tap: usize) -> u16;
     /// The addresses it reads, in order.
     fn addresses(&self, tap: usize) -> &[u64];
-    /// Whether it is known that they are in as many data banks.
-    fn apart(&self, tap: usize) -> bool;
+    /// How many these are.
+    fn reads(&self, tap: usize) -> u64;
+    /// More than the storage index of any plane.
+    fn planes(&self) -> usize;
+    /// Whether those of every tap are known to be in as many data banks.
+    fn all_apart(&self) -> bool;
 }
 
 /// Taps whose addresses are those of their footprints.
@@ -19,11 +25,17 @@ pub(super) struct InPlace<'a> {
     pub(super) taps: &'a [Footprint],
     /// Addresses of one that count.
     pub(super) texels: usize,
-    /// Eight taps a byte: whether their words are known to lie in different banks.
-    pub(super) apart: &'a [u8],
+    /// Planes of the surface.
+    pub(super) planes: usize,
+    /// Whether those of every tap are known to be in as many data banks.
+    pub(super) all_apart: bool,
 }
 
 impl Taps for InPlace<'_> {
+    fn number(&self) -> usize {
+        self.taps.len()
+    }
+
     #[inline(always)]
     fn plane(&self, tap: usize) -> u16 {
         self.taps[tap].plane
@@ -35,8 +47,16 @@ impl Taps for InPlace<'_> {
     }
 
     #[inline(always)]
-    fn apart(&self, tap: usize) -> bool {
-        self.apart.get(tap / 8).is_some_and(|eight| eight >> (tap % 8) & 1 != 0)
+    fn reads(&self, _: usize) -> u64 {
+        self.texels as u64
+    }
+
+    fn planes(&self) -> usize {
+        self.planes
+    }
+
+    fn all_apart(&self) -> bool {
+        self.all_apart
     }
 }
 
@@ -62,13 +82,13 @@ impl Gathered {
     pub(super) fn read(&mut self, address: u64) {
         self.addresses.push(address);
     }
-
-    pub(super) fn len(&self) -> usize {
-        self.taps.len()
-    }
 }
 
 impl Taps for Gathered {
+    fn number(&self) -> usize {
+        self.taps.len()
+    }
+
     fn plane(&self, tap: usize) -> u16 {
         self.taps[tap].0
     }
@@ -78,7 +98,15 @@ impl Taps for Gathered {
         &self.addresses[self.taps[tap].1..end]
     }
 
-    fn apart(&self, _: usize) -> bool {
+    fn reads(&self, tap: usize) -> u64 {
+        self.addresses(tap).len() as u64
+    }
+
+    fn planes(&self) -> usize {
+        self.taps.iter().map(|&(plane, _)| usize::from(plane) + 1).max().unwrap_or(0)
+    }
+
+    fn all_apart(&self) -> bool {
         false
     }
 }

@@ -38,9 +38,10 @@ impl Draw<'_> {
 const READS: u32 = 4;
 
 fn machine(draw: &mut Draw<'_>) -> Machine {
-    // Half of them do one thing a clock, for which the model has a loop of its own.
-    let widths = if draw.below(2) == 0 { [1; 4] } else { [3, 4, 2, 2] };
-    let pipeline = Parameters {
+    // Half of them do one thing a clock, and half of these have FIFOs deep enough for it: the model has a loop of its own for them.
+    let (single, ample) = (draw.below(2) == 0, draw.below(2) == 0);
+    let widths = if single { [1; 4] } else { [3, 4, 2, 2] };
+    let mut pipeline = Parameters {
         mode: draw.from(&[Mode::Prefetching, Mode::Prefetching, Mode::Prefetching, Mode::Blocking]),
         pixel_pipes: 1 + draw.below(widths[0]),
         taps_per_clock: 1 + draw.below(widths[1]),
@@ -69,6 +70,13 @@ fn machine(draw: &mut Draw<'_>) -> Machine {
         decompress_latency: draw.latency(),
         decompress_texels_per_clock: draw.from(&[16, 4, 3, 1]),
     };
+    if single && ample {
+        pipeline.mode = Mode::Prefetching;
+        pipeline.request_fifo += 1;
+        pipeline.lod_fifo += pipeline.lod_latency;
+        pipeline.tap_fifo += pipeline.address_latency;
+        pipeline.result_fifo += pipeline.data_latency + pipeline.filter_latency;
+    }
     let line = draw.from(&[16, 32, 64]);
     let second_level = draw.from(&[false, false, true]).then(|| SecondLevelParameters {
         sets: 1 + draw.below(5),
@@ -236,7 +244,9 @@ fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
     drop(timing);
 
     let log = simulate(machine, requests);
-    let batched = in_batches(machine, requests, &counters);
+    let mut batched = Recorder::default();
+    in_batches(machine, requests, &counters, &mut batched);
+    in_batches(machine, requests, &counters, ());
     for recorder in [recorder, batched] {
         assert_eq!(recorder.taps, log.taps, "taps");
         assert_eq!(recorder.misses, log.misses, "misses");
@@ -251,12 +261,12 @@ fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
 }
 
 /// The same requests as a unit hands them over: batches of footprints, the texels that are not read outside the texture.
-fn in_batches(machine: &Machine, requests: &[Vec<Tap>], expected: &TimingCounters) -> Recorder {
-    let mut recorder = Recorder::default();
-    let mut timing = Timing::new(&machine.pipeline, &machine.memory, cache(machine), READS, &mut recorder).unwrap();
+fn in_batches<O: TimingObserver>(machine: &Machine, requests: &[Vec<Tap>], expected: &TimingCounters, observer: O) {
+    let mut timing = Timing::new(&machine.pipeline, &machine.memory, cache(machine), READS, observer).unwrap();
     // A surface of three planes, as many as the streams name.
     let surface = Surface::new(PyramidKind::Mipmap, Layout::RowMajor, Format::Rgba8, 4, 4).unwrap();
-    for requests in requests.chunks(7) {
+    // Eight taps at a time are looked at together, and what is left of a batch one by one.
+    for requests in requests.chunks(if machine.sets > 3 { 7 } else { 24 }) {
         let mut ends = Vec::new();
         let mut taps = Vec::new();
         for request in requests {
@@ -270,8 +280,6 @@ fn in_batches(machine: &Machine, requests: &[Vec<Tap>], expected: &TimingCounter
         timing.take(Batch { taps: &taps, requests: Requests::Ends(&ends), texels_per_tap: 4, surface: &surface });
     }
     assert_eq!(timing.counters(), *expected, "batches");
-    drop(timing);
-    recorder
 }
 
 /// What must add up, whatever the machine.

@@ -1,0 +1,272 @@
+//! The pipeline of a machine that does one thing a clock, with FIFOs deep enough never to limit that: the same clocks as
+//! [`Pipeline`](super::pipeline::Pipeline) has, with less to do for each.
+//!
+//! In such a machine nothing in front of the tag unit ever holds it up, but for the first tap on its way there. By induction: the tap before was
+//! at the door no later than it was taken. This one was issued in the clock after that one, and then is at the door in time; or when a
+//! place came free in the tap FIFO, as many taps ago as that is deep, which is more than the latency between; or when its request came
+//! out of the LOD unit, which in the same way took it right behind the one before or when a place came free in the LOD FIFO, deeper
+//! than its latency; and an LOD unit with two places in front of it finds a request there. So the tag unit waits for the fragment FIFO and for misses only, what is
+//! in front of it follows from the clocks taps entered it, and no unit in front is idle between the first item and the last. The result FIFO,
+//! deeper than the clocks from data to result, always has a place by the same count.
+
+use alloc::vec::Vec;
+
+use super::{
+    banks::BankOf,
+    counters::{PlaneTiming, Spread, TimingCounters},
+    data_banks::DataBanks,
+    events::{RequestTimes, TapTimes, TimingObserver},
+    parameters::{Mode, Parameters},
+    passing::{Passing, Rest, Watched},
+    pipeline::{Beside, Counts, latencies, planes_among},
+    queue::Fifo,
+    taps::Taps,
+};
+
+/// A machine of this kind.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Ample {
+    /// First clocks the units are free in.
+    entry: u64,
+    lod: u64,
+    sequencer: u64,
+    tag: u64,
+    data: u64,
+    /// What the first item finds.
+    first_issue: u64,
+    first_tag: u64,
+    request_fifo: Fifo,
+    lod_fifo: Fifo,
+    tap_fifo: Fifo,
+    fragment_fifo: Fifo,
+    result_fifo: Fifo,
+    tag_bank: BankOf,
+    data_banks: DataBanks,
+    counts: Counts,
+    request_latency: Spread,
+    batch: Clocks,
+}
+
+/// When the items of a batch pass the units.
+#[derive(Clone, Debug, Default)]
+struct Clocks {
+    /// By tap.
+    issue: Vec<u64>,
+    tag: Vec<u64>,
+    data_done: Vec<u64>,
+    watched: Watched,
+    /// By request; `issued` and `data` are those of its last tap.
+    entry: Vec<u64>,
+    lod: Vec<u64>,
+    issued: Vec<u64>,
+    data: Vec<u64>,
+    result: Vec<u64>,
+}
+
+impl Ample {
+    /// Whether a machine is of this kind.
+    pub(super) fn fits(p: &Parameters) -> bool {
+        p.mode == Mode::Prefetching
+            && [p.pixel_pipes, p.taps_per_clock, p.tag_ports, p.data_ports] == [1; 4]
+            && p.tag_banks.max(p.data_banks) <= 64
+            && p.request_fifo > 1
+            && p.lod_fifo > p.lod_latency
+            && p.tap_fifo > p.address_latency
+            && p.result_fifo > p.data_latency + p.filter_latency
+    }
+
+    pub(super) fn new(p: &Parameters) -> Self {
+        let [lod_latency, address_latency, ..] = latencies(p);
+        let first_issue = 1 + lod_latency;
+        let first_tag = first_issue + address_latency;
+        Self {
+            lod: 1,
+            sequencer: first_issue,
+            tag: first_tag,
+            first_issue,
+            first_tag,
+            request_fifo: Fifo::new(p.request_fifo),
+            lod_fifo: Fifo::new(p.lod_fifo),
+            tap_fifo: Fifo::new(p.tap_fifo),
+            fragment_fifo: Fifo::new(p.fragment_fifo),
+            result_fifo: Fifo::new(p.result_fifo),
+            tag_bank: BankOf::new(p.tag_banks, p.tag_hash),
+            data_banks: DataBanks::new(p),
+            ..Self::default()
+        }
+    }
+
+    /// Enters what this knows, the stalls by misses having been entered.
+    pub(super) fn count(&self, c: &mut TimingCounters) {
+        self.counts.enter(c);
+        if c.requests == 0 {
+            return;
+        }
+        let cycles = c.cycles;
+        c.entry_busy = c.requests;
+        c.entry_idle = cycles - self.entry;
+        c.entry_stall_request_fifo = self.entry - c.requests;
+        // No unit up to the tag unit is idle between its first item and its last.
+        c.lod_busy = c.requests;
+        c.lod_idle = 1 + cycles - self.lod;
+        c.lod_stall_lod_fifo = cycles - c.lod_busy - c.lod_idle;
+        c.sequencer_busy = c.taps;
+        c.sequencer_idle = self.first_issue + cycles - self.sequencer;
+        c.sequencer_stall_tap_fifo = cycles - c.sequencer_busy - c.sequencer_idle;
+        let stalls = [c.tag_stall_fragment_fifo, c.tag_stall_merge, c.tag_stall_reorder_buffer];
+        let stalls = stalls.iter().sum::<u64>() + c.tag_stall_miss_status + c.tag_stall_miss_queue;
+        c.tag_idle = self.first_tag + cycles - self.tag;
+        c.tag_busy = cycles - c.tag_idle - stalls;
+        c.data_busy = c.taps + c.data_conflict_clocks + c.fill_write_clocks;
+        c.data_idle = cycles - c.data_busy - c.data_stall_fill;
+        c.datapath_busy = c.taps;
+        c.result_busy = c.requests;
+        (c.request_fifo_sum, c.request_fifo_max) = self.request_fifo.usage();
+        (c.lod_fifo_sum, c.lod_fifo_max) = self.lod_fifo.usage();
+        (c.tap_fifo_sum, c.tap_fifo_max) = self.tap_fifo.usage();
+        (c.fragment_fifo_sum, c.fragment_fifo_max) = self.fragment_fifo.usage();
+        (c.result_fifo_sum, c.result_fifo_max) = self.result_fifo.usage();
+        (c.request_latency_sum, c.request_latency_min, c.request_latency_max) = self.request_latency.all();
+    }
+
+    /// Sends a batch of taps through the tag and the data unit.
+    pub(super) fn begin<'a, T: Taps, O: TimingObserver>(
+        &'a mut self,
+        taps: &'a T,
+        beside: &'a mut Beside<'_, O>,
+    ) -> Passing<'a, T, O> {
+        let number = taps.number();
+        let Clocks { tag, data_done, watched, .. } = &mut self.batch;
+        tag.resize(number, 0);
+        data_done.resize(number, 0);
+        watched.clear();
+        if beside.planes.len() < taps.planes() {
+            beside.planes.resize(taps.planes(), PlaneTiming::default());
+        }
+        let (places, depth) = self.fragment_fifo.places(number);
+        let mut passing = Passing {
+            taps,
+            places,
+            depth,
+            tags: tag,
+            data_done,
+            planes: beside.planes,
+            misses: beside.misses,
+            tag_bank: self.tag_bank,
+            all_apart: taps.all_apart(),
+            tag_latency: beside.parameters.tag_latency.into(),
+            tag_free: self.tag,
+            data_free: self.data,
+            tap: 0,
+            plane: 0,
+            done: 0,
+            banks_taken: 0,
+            hits: 0,
+            missed: 0,
+            filled: 0,
+            waited: 0,
+            conflicts: 0,
+            rest: Rest {
+                counts: &mut self.counts,
+                data_banks: &mut self.data_banks,
+                line_write: beside.line_write,
+                line_shift: beside.line_shift,
+                watched,
+                alone: (usize::MAX, 0),
+                lines: [0; 4],
+                free: [&mut self.tag, &mut self.data],
+                observer: core::marker::PhantomData,
+            },
+        };
+        passing.enter(0);
+        passing
+    }
+
+    /// The rest of their way, in requests that end where `ends` says.
+    pub(super) fn end<O: TimingObserver>(&mut self, ends: &[u32], taps: &impl Taps, mut beside: Beside<'_, O>) {
+        let mut batch = core::mem::take(&mut self.batch);
+        self.pass_the_rest(ends, taps, &mut batch, &mut beside);
+        if O::WATCHES {
+            self.tell(ends, taps, &mut batch, beside);
+        }
+        self.counts.requests += ends.len() as u64;
+        self.counts.taps += taps.number() as u64;
+        self.batch = batch;
+    }
+
+    /// The result, and all that is in front of the tag unit.
+    #[inline(never)]
+    fn pass_the_rest<O: TimingObserver>(
+        &mut self,
+        ends: &[u32],
+        taps: &impl Taps,
+        Clocks { issue, tag, data_done, entry, lod, issued, data, result, .. }: &mut Clocks,
+        Beside { parameters, histograms, .. }: &mut Beside<'_, O>,
+    ) {
+        let [_, _, _, data_latency, filter_latency] = latencies(parameters);
+        self.tap_fifo.pass_one_a_clock(&mut self.sequencer, tag, issue);
+        // Another tap can enter the tag unit in the clock after one entered the data unit.
+        let (places, depth) = self.fragment_fifo.places(tag.len());
+        let (issues, frees, dones) = (&issue[..tag.len()], &places[depth..][..tag.len()], &data_done[..tag.len()]);
+        for clocks in [&mut *issued, &mut *data, &mut *result] {
+            clocks.resize(ends.len(), 0);
+        }
+        for (&end, ((issued, data), result)) in ends.iter().zip(issued.iter_mut().zip(&mut *data).zip(&mut *result)) {
+            let last = end as usize - 1;
+            *issued = issues[last];
+            *data = frees[last] - 1;
+            *result = dones[last] + data_latency + filter_latency;
+        }
+        self.fragment_fifo.entered(tag);
+        self.lod_fifo.pass_one_a_clock(&mut self.lod, issued, lod);
+        self.request_fifo.pass_one_a_clock(&mut self.entry, lod, entry);
+        self.result_fifo.pass_all(data, result);
+        result.iter().zip(entry).for_each(|(result, entry)| self.request_latency.add(result - *entry));
+        self.counts.cycles = result[ends.len() - 1] + 1;
+
+        // Most requests are of the same shape as the one before.
+        let (mut begin, mut shape, mut of_shape) = (0, (0, 0), 0);
+        for end in ends.iter().map(|&end| end as usize) {
+            let shape_now = (end - begin, planes_among(taps, begin, end));
+            if shape_now != shape {
+                histograms.add(shape, of_shape);
+                (shape, of_shape) = (shape_now, 0);
+            }
+            of_shape += 1;
+            begin = end;
+        }
+        histograms.add(shape, of_shape);
+    }
+
+    /// Tells an observer.
+    fn tell<O: TimingObserver>(&self, ends: &[u32], taps: &impl Taps, batch: &mut Clocks, beside: Beside<'_, O>) {
+        let mut fills = batch.watched.fills.drain(..).peekable();
+        let mut begin = 0;
+        for (number, end) in ends.iter().map(|&end| end as usize).enumerate() {
+            let request = self.counts.requests + number as u64;
+            for at in begin..end {
+                let tap = self.counts.taps + at as u64;
+                let mut misses = 0;
+                while let Some((fill, stored)) = fills.next_if(|(fill, _)| fill.tap == tap) {
+                    beside.observer.fill(fill, &stored);
+                    misses += 1;
+                }
+                beside.observer.tap(TapTimes {
+                    tap,
+                    request,
+                    plane: taps.plane(at),
+                    issue: batch.issue[at],
+                    tag: batch.tag[at],
+                    tag_done: batch.watched.tag_done[at],
+                    data: batch.watched.data[at],
+                    data_done: batch.data_done[at],
+                    datapath: batch.data_done[at] + u64::from(beside.parameters.data_latency),
+                    misses,
+                });
+            }
+            let [entry, lod, result] = [&batch.entry, &batch.lod, &batch.result].map(|clocks| clocks[number]);
+            beside.observer.request(RequestTimes { request, entry, lod, result });
+            begin = end;
+        }
+    }
+}
