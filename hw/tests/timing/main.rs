@@ -337,6 +337,38 @@ proptest! {
     }
 }
 
+/// A stream that the tag unit takes without a pause: whatever is too shallow in front of it or behind shows at once.
+#[test]
+fn fifos_just_deep_enough_or_just_too_shallow_agree_where_nothing_else_holds_taps_up() {
+    let hits = |taps: usize| {
+        let tap =
+            |number: usize| Tap { plane: 0, addresses: [0, 4, 8, 12].map(|at| at + 16 * (number as u64 % 4)).to_vec() };
+        vec![(0..taps).map(tap).collect::<Vec<_>>(); 24]
+    };
+    let streams = [hits(1), hits(2)];
+    let mut machine = Machine {
+        pipeline: Parameters { fragment_fifo: 100, ..Parameters::default() },
+        memory: MemoryParameters { main: MainMemory::Fixed { latency: 0, bytes_per_clock: 64 }, second_level: None },
+        sets: 4,
+        ways: 2,
+        line: 64,
+        stored: None,
+    };
+    for number in 0..3u32.pow(7) * 2 {
+        let digit = |place: u32| number / 3u32.pow(place) % 3;
+        let latency = |place: u32| 1 + digit(place);
+        // One place too few, as many as needed, one more; the data unit and the datapath count together.
+        let depth = |place: u32, latency: u32| (latency + digit(place)).max(1);
+        let p = &mut machine.pipeline;
+        (p.lod_latency, p.address_latency, p.filter_latency) = (latency(0), latency(1), latency(2));
+        p.lod_fifo = depth(3, p.lod_latency);
+        p.tap_fifo = depth(4, p.address_latency);
+        p.result_fifo = depth(5, p.data_latency + p.filter_latency);
+        p.request_fifo = 1 + digit(6);
+        agree(&machine, &streams[(number / 3u32.pow(7)) as usize]);
+    }
+}
+
 #[test]
 fn the_random_machines_meet_every_stall_and_every_counter() {
     let mut seed = 1u32;
