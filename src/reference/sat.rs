@@ -1,7 +1,10 @@
 //! The summed-area table (docs/numerics.md, section 5.3; Crow 1984), without the table: every row of the box is added up.
 //!
 //! Box sums are whole numbers in u64, so nothing here can wrap around, and no rule about table entries is needed. A texel that
-//! counts several times, because the box repeats the texture, is multiplied. Each row has its running total, of one row only.
+//! counts several times, because the box repeats the texture, is multiplied. Each row has its running total, of one row only, and
+//! so has each column.
+
+use std::ops::Range;
 
 use texunit_hw::{AddressMode, Request, Response, Sampler};
 
@@ -37,7 +40,9 @@ pub struct Sat<'a> {
     plane: Plane<'a>,
     address: [AddressMode; 2],
     /// Of each row, one more than texels: the sum of all texels before. A row of 2^20 texels of 255 stays below 2^32.
-    totals: Vec<[u32; 4]>,
+    along: Vec<[u32; 4]>,
+    /// The same of each column.
+    down: Vec<[u32; 4]>,
 }
 
 impl<'a> Sat<'a> {
@@ -54,17 +59,9 @@ impl<'a> Sat<'a> {
     pub(super) fn unlimited(pyramid: &'a Pyramid, address: [AddressMode; 2]) -> Result<Self> {
         let plane = Plane::find(pyramid, 0, 0)?;
         let [columns, rows] = plane.size.map(|size| size as usize);
-        let mut totals = Vec::with_capacity((columns + 1) * rows);
-        for j in 0..rows {
-            let mut total = [0; 4];
-            totals.push(total);
-            for i in 0..columns {
-                let texel = plane.texel(Some(i), Some(j));
-                total = [0, 1, 2, 3].map(|channel| total[channel] + u32::from(texel[channel]));
-                totals.push(total);
-            }
-        }
-        Ok(Self { plane, address, totals })
+        let along = totals(rows, columns, |j, i| plane.texel(Some(i), Some(j)));
+        let down = totals(columns, rows, |i, j| plane.texel(Some(i), Some(j)));
+        Ok(Self { plane, address, along, down })
     }
 
     /// The answer to one request.
@@ -116,23 +113,23 @@ impl<'a> Sat<'a> {
         let [first, last] = [of_box.first(), of_box.last()].map(|end| end.and_then(|(index, _)| texel(*index)));
         // As many texels from the first to the last as there are indices: no edge of the texture lies between them.
         let within = first.zip(last).is_some_and(|(first, last)| last + 1 == first + of_box.len());
-        let mut shares: Vec<(usize, T)> = if within {
-            (first.unwrap_or(0)..).zip(&of_box).map(|(texel, (_, share))| (texel, *share)).collect()
-        } else {
-            of_box.iter().filter_map(|(index, share)| Some((texel(*index)?, *share))).collect()
-        };
-        if !shares.is_sorted_by_key(|(texel, _)| *texel) {
-            // Stable, so that shares of one texel are added in the order they came in.
-            shares.sort_by_key(|(texel, _)| *texel);
-        }
         let mut runs: Vec<(usize, usize, T)> = Vec::new();
-        for of_texel in shares.chunk_by(|a, b| a.0 == b.0) {
-            let (texel, mut share) = of_texel[0];
-            of_texel[1..].iter().for_each(|(_, more)| share += *more);
-            match runs.last_mut() {
-                Some((_, end, same)) if *end == texel && *same == share => *end += 1,
-                _ => runs.push((texel, texel + 1, share)),
-            }
+        let mut add = |texel: usize, share: T| match runs.last_mut() {
+            Some((_, end, same)) if *end == texel && *same == share => *end += 1,
+            _ => runs.push((texel, texel + 1, share)),
+        };
+        if within {
+            (first.unwrap_or(0)..).zip(&of_box).for_each(|(texel, (_, share))| add(texel, *share));
+        } else {
+            // Shares of one texel are added in the order they come in; room is made for the texels from the first touched to the last.
+            let of_box = of_box.into_iter().filter_map(|(index, share)| Some((texel(index)?, share)));
+            let of_box: Vec<(usize, T)> = of_box.collect();
+            let texels = || of_box.iter().map(|(texel, _)| *texel);
+            let (first, last) = (texels().min().unwrap_or(0), texels().max().unwrap_or(0));
+            let mut of_texels = vec![T::default(); last - first + 1];
+            of_box.iter().for_each(|(texel, share)| of_texels[texel - first] += *share);
+            let some = (first..).zip(of_texels).filter(|(_, share)| *share != T::default());
+            some.for_each(|(texel, share)| add(texel, share));
         }
         runs
     }
@@ -145,15 +142,14 @@ impl<'a> Sat<'a> {
         product: impl Fn(u64, T) -> T,
     ) -> [T; 4] {
         let mut sums = [T::default(); 4];
-        let stride = self.plane.size[0] as usize + 1;
         for &(top, bottom, down) in rows {
             for &(begin, end, across) in columns {
-                let mut equal = [0; 4];
-                for totals in self.totals[top * stride..bottom * stride].chunks_exact(stride) {
-                    for (channel, equal) in equal.iter_mut().enumerate() {
-                        *equal += u64::from(totals[end][channel] - totals[begin][channel]);
-                    }
-                }
+                // Few long rows or few long columns.
+                let equal = if bottom - top <= end - begin {
+                    sum_of_lines(&self.along, self.plane.size[0], top..bottom, begin..end)
+                } else {
+                    sum_of_lines(&self.down, self.plane.size[1], begin..end, top..bottom)
+                };
                 for (sum, equal) in sums.iter_mut().zip(equal) {
                     *sum += product(equal, across * down);
                 }
@@ -161,6 +157,34 @@ impl<'a> Sat<'a> {
         }
         sums
     }
+}
+
+/// Running totals of lines of texels, one more than texels in each: the sum of all before.
+fn totals(lines: usize, texels: usize, texel: impl Fn(usize, usize) -> [u8; 4]) -> Vec<[u32; 4]> {
+    let mut totals = Vec::with_capacity((texels + 1) * lines);
+    for line in 0..lines {
+        let mut total = [0; 4];
+        totals.push(total);
+        for at in 0..texels {
+            let texel = texel(line, at);
+            total = [0, 1, 2, 3].map(|channel| total[channel] + u32::from(texel[channel]));
+            totals.push(total);
+        }
+    }
+    totals
+}
+
+/// The sum of some texels of some lines of `size` texels.
+fn sum_of_lines(totals: &[[u32; 4]], size: f64, lines: Range<usize>, texels: Range<usize>) -> [u64; 4] {
+    let stride = size as usize + 1;
+    let mut sum = [0; 4];
+    for line in totals[lines.start * stride..lines.end * stride].chunks_exact(stride) {
+        let (before, until) = (line[texels.start], line[texels.end]);
+        for (channel, sum) in sum.iter_mut().enumerate() {
+            *sum += u64::from(until[channel] - before[channel]);
+        }
+    }
+    sum
 }
 
 /// The bounding box of the pixel's parallelogram along one axis, in turns.

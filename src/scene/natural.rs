@@ -7,7 +7,7 @@ use image::{Rgb, RgbImage, RgbaImage, buffer::ConvertBuffer};
 use rayon::prelude::*;
 
 use super::{
-    noise::{hash, octaves, unit_hash},
+    noise::{Octaves, hash, unit_hash},
     texture::Procedural,
     whole::whole,
 };
@@ -45,24 +45,31 @@ pub(super) fn image(texture: &Procedural) -> Arc<RgbaImage> {
 fn painted(texture: &Procedural) -> RgbaImage {
     let [width, height] = texture.size;
     let strands = Strands::new(texture);
+    let centres: Vec<f64> = (0..width).map(|x| (f64::from(x) + 0.5) / f64::from(width)).collect();
+    let cells = texture.size.map(|axis| (axis / texture.cell).max(1));
+    let noise = |count, seed| Octaves::new(&centres, cells, count, seed);
+    let (coarse, warp) = (noise(texture.cell.max(2).ilog2(), texture.seed), noise(3, texture.seed + 101));
     let mut rgb = RgbImage::new(width, height);
     rgb.par_chunks_exact_mut(3 * width as usize).enumerate().for_each(|(y, row)| {
+        let t = (y as f64 + 0.5) / f64::from(height);
+        let (coarse, warp) = (coarse.row(t), warp.row(t));
         for (x, texel) in row.chunks_exact_mut(3).enumerate() {
             #[allow(clippy::cast_possible_truncation, reason = "within the image")]
-            texel.copy_from_slice(&shade(texture, &strands, x as u32, y as u32).0);
+            let at = (x as u32, y as u32);
+            texel.copy_from_slice(&shade(texture, &strands, at, [centres[x], t], [coarse.at(x), warp.at(x) - 0.5]).0);
         }
     });
     rgb.convert()
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=255 before the cast")]
-fn shade(texture: &Procedural, strands: &Strands, x: u32, y: u32) -> Rgb<u8> {
-    let [width, height] = texture.size;
-    let (s, t) = ((f64::from(x) + 0.5) / f64::from(width), (f64::from(y) + 0.5) / f64::from(height));
-    let cells = texture.size.map(|axis| (axis / texture.cell).max(1));
-    let count = texture.cell.max(2).ilog2();
-    let coarse = octaves(s, t, cells, count, texture.seed);
-    let warp = octaves(s, t, cells, 3, texture.seed + 101) - 0.5;
+fn shade(
+    texture: &Procedural,
+    strands: &Strands,
+    (x, y): (u32, u32),
+    [s, t]: [f64; 2],
+    [coarse, warp]: [f64; 2],
+) -> Rgb<u8> {
     let aside = (s - 0.5).abs() + 0.06 * warp;
 
     let fibre = strands.hairs(x, y, libm::atan2(t - 0.42, s - 0.5) + 5.0 * warp);

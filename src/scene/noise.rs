@@ -49,35 +49,75 @@ pub fn unit_hash(x: u32, y: u32, seed: u32) -> f64 {
     SeededHash::new(y, seed).unit(x)
 }
 
-/// Smooth noise in [0, 1] over a lattice that repeats after `cells` in each axis; `s` and `t` are in lattice cells.
-#[must_use]
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "reduced to the lattice before the cast")]
-pub fn smooth_noise(s: f64, t: f64, cells: [u32; 2], seed: u32) -> f64 {
-    let axis = |position: f64, count: u32| {
-        let size = f64::from(count);
-        let reduced = position - size * whole(position / size);
-        let first = (reduced as u32).min(count - 1);
-        let fraction = reduced - f64::from(first);
-        // Quintic: first and second derivatives vanish at the lattice.
-        let weight = fraction * fraction * fraction * (fraction * (fraction * 6.0 - 15.0) + 10.0);
-        (first, (first + 1) % count, weight)
-    };
-    let (x0, x1, across) = axis(s, cells[0]);
-    let (y0, y1, down) = axis(t, cells[1]);
-    let top = unit_hash(x0, y0, seed) * (1.0 - across) + unit_hash(x1, y0, seed) * across;
-    let bottom = unit_hash(x0, y1, seed) * (1.0 - across) + unit_hash(x1, y1, seed) * across;
-    top * (1.0 - down) + bottom * down
+/// Where a position lies on one axis of a lattice: between which two points, and the weight of the second.
+type Between = (u32, u32, f64);
+
+/// A sum of octaves of smooth noise in [0, 1], each over a lattice twice as fine and 0.55 times as strong, mean about 1/2. Lattices repeat
+/// after as many points as they have. Made for the columns of an image, and read row by row, so that a point is hashed once for a row.
+#[derive(Clone, Debug)]
+pub struct Octaves {
+    cells: [u32; 2],
+    seed: u32,
+    /// By octave and column.
+    columns: Vec<Vec<Between>>,
 }
 
-/// A sum of octaves of [`smooth_noise`], each twice as fine and 0.55 times as strong, mean about 1/2.
-#[must_use]
-pub fn octaves(s: f64, t: f64, cells: [u32; 2], count: u32, seed: u32) -> f64 {
-    let (mut sum, mut total, mut strength) = (0.0, 0.0, 1.0);
-    for octave in 0..count {
-        let cells = cells.map(|axis| axis << octave);
-        sum += strength * smooth_noise(s * f64::from(cells[0]), t * f64::from(cells[1]), cells, seed + octave);
-        total += strength;
-        strength *= 0.55;
+/// One row of it: by octave, the weight of the lower points, and the noise at the upper and lower ones.
+#[derive(Clone, Debug)]
+pub struct OctavesOfRow<'a> {
+    of: &'a Octaves,
+    rows: Vec<(f64, [Vec<f64>; 2])>,
+}
+
+impl Octaves {
+    /// `cells` points along and down in the coarsest of `count` octaves; `positions` are those of columns, in [0, 1].
+    #[must_use]
+    pub fn new(positions: &[f64], cells: [u32; 2], count: u32, seed: u32) -> Self {
+        let columns = (0..count).map(|octave| positions.iter().map(|&s| between(s, cells[0] << octave)).collect());
+        Self { cells, seed, columns: columns.collect() }
     }
-    sum / total
+
+    /// The row at `t`, in [0, 1].
+    #[must_use]
+    pub fn row(&self, t: f64) -> OctavesOfRow<'_> {
+        let of_octave = |octave: u32| {
+            let [across, down] = self.cells.map(|axis| axis << octave);
+            let (upper, lower, weight) = between(t, down);
+            let points = |y: u32| {
+                let hash = SeededHash::new(y, self.seed + octave);
+                (0..across).map(|x| hash.unit(x)).collect()
+            };
+            (weight, [points(upper), points(lower)])
+        };
+        OctavesOfRow { of: self, rows: (0..self.columns.len() as u32).map(of_octave).collect() }
+    }
+}
+
+impl OctavesOfRow<'_> {
+    /// The noise at a column.
+    #[must_use]
+    pub fn at(&self, column: usize) -> f64 {
+        let (mut sum, mut total, mut strength) = (0.0, 0.0, 1.0);
+        for ((down, [upper, lower]), columns) in self.rows.iter().zip(&self.of.columns) {
+            let (first, second, across) = columns[column];
+            let [top, bottom] =
+                [upper, lower].map(|points| points[first as usize] * (1.0 - across) + points[second as usize] * across);
+            sum += strength * (top * (1.0 - down) + bottom * down);
+            total += strength;
+            strength *= 0.55;
+        }
+        sum / total
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "reduced to the lattice before the cast")]
+fn between(position: f64, points: u32) -> Between {
+    let size = f64::from(points);
+    let position = position * size;
+    let reduced = position - size * whole(position / size);
+    let first = (reduced as u32).min(points - 1);
+    let fraction = reduced - f64::from(first);
+    // Quintic: first and second derivatives vanish at the lattice.
+    let weight = fraction * fraction * fraction * (fraction * (fraction * 6.0 - 15.0) + 10.0);
+    (first, (first + 1) % points, weight)
 }

@@ -1,4 +1,4 @@
-//! The commands run, sample, mips, scenes, trace, verify and explain as a user meets them: files, columns, exit status, and what is
+//! The commands run, sample, mips, scenes, time, trace, verify and explain as a user meets them: files, columns, exit status, and what is
 //! said when something is wrong.
 
 mod machine;
@@ -6,6 +6,7 @@ mod mips;
 mod run;
 mod sample;
 mod scenes;
+mod time;
 mod trace;
 mod verify;
 
