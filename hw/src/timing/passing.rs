@@ -105,10 +105,20 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
     /// What follows is of this tap.
     #[inline(always)]
     fn go_to(&mut self, tap: usize) {
-        while self.tap != tap {
+        if self.tap != tap {
             self.leave();
             self.enter(self.tap + 1);
+            while self.tap != tap {
+                self.skip();
+            }
         }
+    }
+
+    /// Past a tap without an access, of which there are few.
+    #[inline(never)]
+    fn skip(&mut self) {
+        self.leave();
+        self.enter(self.tap + 1);
     }
 
     #[inline(always)]

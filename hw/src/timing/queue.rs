@@ -74,16 +74,22 @@ impl Fifo {
     /// can: in what clocks is written to `enters`, and `first` is what it will be for those behind.
     pub(super) fn pass_one_a_clock(&mut self, first: &mut u64, leaves: &[u64], enters: &mut Vec<u64>) {
         let end = self.leave(leaves);
-        let rooms = &self.free[self.next..][..leaves.len()];
+        let items = leaves.len();
+        let rooms = &self.free[self.next..][..items];
         enters.clear();
         if self.most == self.depth {
-            // When one has been held up, so are all behind it: places come free no faster than they are taken.
+            // When one has been held up, so are all behind it: places come free no faster than they are taken. What an item waits for is when
+            // one before it leaves, so of the sums only their ends are left.
             enters.extend_from_slice(rooms);
+            let ends = items.min(self.depth);
+            let sum = |begin: usize| self.free[begin..][..ends].iter().sum::<u64>();
+            self.clocks += sum(end + items - ends) - sum(self.next);
+            self.next += items;
         } else {
             enters.extend(rooms.iter().zip(*first..).map(|(&room, free)| room.max(free)));
+            self.enter(end, enters);
         }
         *first = enters.last().map_or(*first, |last| last + 1);
-        self.enter(end, enters);
     }
 
     /// Writes down when the next items give back their places. The answer is where the first of them stands.
