@@ -1,13 +1,15 @@
 //! The pipeline of a machine that does one thing a clock, with FIFOs deep enough never to limit that: the same clocks as
 //! [`Pipeline`](super::pipeline::Pipeline) has, with less to do for each.
 //!
-//! In such a machine nothing in front of the tag unit ever holds it up, but for the first tap on its way there. By induction: the tap before was
-//! at the door no later than it was taken. This one was issued in the clock after that one, and then is at the door in time; or when a
-//! place came free in the tap FIFO, as many taps ago as that is deep, which is more than the latency between; or when its request came
-//! out of the LOD unit, which in the same way took it right behind the one before or when a place came free in the LOD FIFO, deeper
-//! than its latency; and an LOD unit with two places in front of it finds a request there. So the tag unit waits for the fragment FIFO and for misses only, what is
-//! in front of it follows from the clocks taps entered it, and no unit in front is idle between the first item and the last. The result FIFO,
-//! deeper than the clocks from data to result, always has a place by the same count.
+//! In such a machine nothing in front of the tag unit ever holds it up, but for the first tap on its way there. By induction: the tap
+//! before was at the door no later than it was taken. This one was issued in the clock after that one, and then is at the door in time;
+//! or when a place came free in the tap FIFO, as many taps ago as that is deep, which is more than the latency between; or when its
+//! request came out of the LOD unit, which in the same way took it right behind the one before, or when a place came free in the LOD
+//! FIFO, deeper than its latency; and an LOD unit with two places in front of it finds a request there.
+//!
+//! So the tag unit waits for the fragment FIFO and for misses only ([`Passing`]), what is in front of it follows from the clocks taps
+//! entered it, and no unit in front is idle between its first item and its last. The result FIFO, deeper than the clocks from data to
+//! result, always has a place by the same count.
 
 use alloc::vec::Vec;
 
