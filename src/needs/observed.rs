@@ -204,15 +204,15 @@ impl Needs {
         let read = self.stands_for.unwrap_or(self.filter);
         let needed = self.planes.iter().filter(|plane| plane.taps > 0).map(|plane| plane.size[axis]);
         // A product with 2^n needs n bits for the index and the filter's below; any other product, and any sum with the place of a
-        // probe, needs all there are.
+        // probe, needs all there are, wherever the probes of these requests fall: a lower bit may carry.
         let below = needed
             .map(|size| if size.is_power_of_two() { size.trailing_zeros() } else { COORDINATE_BITS })
             .max()
             .unwrap_or(0);
         let used = match read {
+            _ if self.filter.is_anisotropic() => COORDINATE_BITS,
             Filter::Point => below,
             Filter::Sat => below + 1,
-            filter if filter.is_anisotropic() => COORDINATE_BITS,
             _ => below + u32::from(sampler.filter_bits),
         };
         let there = COORDINATE_BITS.saturating_sub(all.trailing_zeros());

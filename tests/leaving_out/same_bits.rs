@@ -184,3 +184,27 @@ proptest! {
         }
     }
 }
+
+/// Both probes fall where a bilinear tap would, so the filter stands for bilinear here; but one is a step of 2^-20 aside, and of a
+/// coordinate cut to the bits bilinear needs that step takes the carry.
+#[test]
+fn a_probe_beside_the_coordinate_needs_the_bits_below_those_of_its_filter() {
+    let sampler = Sampler {
+        filter: Filter::Texram,
+        address: [AddressMode::Clip, AddressMode::Wrap],
+        filter_bits: 1,
+        lod_bits: 0,
+        lod_source: LodSource::Explicit,
+        max_anisotropy: 2,
+        ..Sampler::default()
+    };
+    let at = I12F20::from_num(0.4375);
+    let step = [I12F20::from_bits(-1), I12F20::ZERO];
+    let request = Request { scale: [128, 0], axes: [step, [I12F20::ZERO; 2]], ..Request::at(at, at) };
+    let texture = TextureImage { top: PlaneImage::top(1, 1, vec![[124, 32, 136, 60]]), own: None };
+    let held = Texture::default().hold(sampler.filter.pyramid(), &texture).unwrap();
+    let needs = Needs::of(&[request], &sampler, [1, 1]).unwrap();
+    let [u, v] = needs.coordinate_bits;
+    let fewer = Request { u: bits(request.u, u), v: bits(request.v, v), ..request };
+    assert_eq!(answers(&sampler, &held.memory, &[fewer]), answers(&sampler, &held.memory, &[request]));
+}
