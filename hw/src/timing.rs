@@ -339,7 +339,7 @@ impl<O: TimingObserver> Sink for Timing<O> {
             return;
         }
         let all_apart = batch.texels_per_tap == 1 || all_apart && rest.is_empty();
-        let (texels, planes) = (batch.texels_per_tap, batch.surface.planes.len());
-        self.look_up_in_runs_and_time(batch, &InPlace { taps: batch.taps, texels, planes, all_apart });
+        let taps = InPlace { taps: batch.taps, texels: batch.texels_per_tap, all_apart };
+        self.look_up_in_runs_and_time(batch, &taps);
     }
 }

@@ -25,8 +25,6 @@ pub(super) struct InPlace<'a> {
     pub(super) taps: &'a [Footprint],
     /// Addresses of one that count.
     pub(super) texels: usize,
-    /// Planes of the surface.
-    pub(super) planes: usize,
     /// Whether those of every tap are known to be in as many data banks.
     pub(super) all_apart: bool,
 }
@@ -51,8 +49,9 @@ impl Taps for InPlace<'_> {
         self.texels as u64
     }
 
+    /// Not those of a surface: whoever has several textures in one memory numbers their planes one after the other.
     fn planes(&self) -> usize {
-        self.planes
+        usize::from(self.taps.iter().fold(0, |most, tap| most.max(tap.plane))) + 1
     }
 
     fn all_apart(&self) -> bool {
