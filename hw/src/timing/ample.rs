@@ -20,7 +20,7 @@ use super::{
     events::{RequestTimes, TapTimes, TimingObserver},
     parameters::{Mode, Parameters},
     passing::{Passing, Rest, Watched},
-    pipeline::{Beside, Counts, latencies, planes_among},
+    pipeline::{Beside, Counts, count_fifos, latencies, planes_among},
     queue::Fifo,
     taps::Taps,
 };
@@ -123,12 +123,8 @@ impl Ample {
         c.data_idle = cycles - c.data_busy - c.data_stall_fill;
         c.datapath_busy = c.taps;
         c.result_busy = c.requests;
-        (c.request_fifo_sum, c.request_fifo_max) = self.request_fifo.usage();
-        (c.lod_fifo_sum, c.lod_fifo_max) = self.lod_fifo.usage();
-        (c.tap_fifo_sum, c.tap_fifo_max) = self.tap_fifo.usage();
-        (c.fragment_fifo_sum, c.fragment_fifo_max) = self.fragment_fifo.usage();
-        (c.result_fifo_sum, c.result_fifo_max) = self.result_fifo.usage();
-        (c.request_latency_sum, c.request_latency_min, c.request_latency_max) = self.request_latency.all();
+        let fifos = [&self.request_fifo, &self.lod_fifo, &self.tap_fifo, &self.fragment_fifo, &self.result_fifo];
+        count_fifos(fifos, &self.request_latency, c);
     }
 
     /// Sends a batch of taps through the tag and the data unit.

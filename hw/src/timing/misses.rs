@@ -94,7 +94,7 @@ impl Misses {
         next: u64,
         row: &mut PlaneTiming,
     ) -> Missed {
-        let mut tag = Ledger::new(next, 0, 0);
+        let mut tag = Ledger::at(next);
         if self.prefetching {
             let room = self.reorder_buffer.room_ahead(earlier);
             tag.stall_until(room, &mut self.stalls.reorder_buffer);

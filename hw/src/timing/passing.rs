@@ -15,7 +15,7 @@ use super::{
 };
 use crate::cache::{Run, RunObserver};
 
-/// Flat, and by value, where it is used for every access.
+/// The taps of a batch on their way, and the one at hand. Flat, and by value, where it is used for every access.
 pub(super) struct Passing<'a, T, O> {
     pub(super) taps: &'a T,
     /// Places of the fragment FIFO.

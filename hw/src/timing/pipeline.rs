@@ -245,9 +245,7 @@ impl Pipeline {
         }
         *self = pipe;
     }
-}
 
-impl Pipeline {
     /// Enters what this knows.
     pub(super) fn count(&self, c: &mut TimingCounters) {
         self.counts.enter(c);
@@ -262,12 +260,8 @@ impl Pipeline {
         (c.sequencer_busy, c.sequencer_idle) = self.ledgers.sequencer.closed(cycles);
         (c.tag_busy, c.tag_idle) = self.ledgers.tag.closed(cycles);
         (c.data_busy, c.data_idle) = self.ledgers.data.closed(cycles);
-        (c.request_fifo_sum, c.request_fifo_max) = self.request_fifo.usage();
-        (c.lod_fifo_sum, c.lod_fifo_max) = self.lod_fifo.usage();
-        (c.tap_fifo_sum, c.tap_fifo_max) = self.tap_fifo.usage();
-        (c.fragment_fifo_sum, c.fragment_fifo_max) = self.fragment_fifo.usage();
-        (c.result_fifo_sum, c.result_fifo_max) = self.result_fifo.usage();
-        (c.request_latency_sum, c.request_latency_min, c.request_latency_max) = self.request_latency.all();
+        let fifos = [&self.request_fifo, &self.lod_fifo, &self.tap_fifo, &self.fragment_fifo, &self.result_fifo];
+        count_fifos(fifos, &self.request_latency, c);
     }
 }
 
@@ -289,6 +283,17 @@ impl Counts {
         c.data_stall_fill = self.data_stall_fill;
         c.data_stall_result_fifo = self.data_stall_result_fifo;
     }
+}
+
+/// Enters what the FIFOs held, the first to the last that a request passes, and how long requests took.
+pub(super) fn count_fifos(fifos: [&Fifo; 5], latency: &Spread, c: &mut TimingCounters) {
+    let [request, lod, tap, fragment, result] = fifos.map(Fifo::usage);
+    (c.request_fifo_sum, c.request_fifo_max) = request;
+    (c.lod_fifo_sum, c.lod_fifo_max) = lod;
+    (c.tap_fifo_sum, c.tap_fifo_max) = tap;
+    (c.fragment_fifo_sum, c.fragment_fifo_max) = fragment;
+    (c.result_fifo_sum, c.result_fifo_max) = result;
+    (c.request_latency_sum, c.request_latency_min, c.request_latency_max) = latency.all();
 }
 
 /// Clocks of the LOD, address, tag and data units and of the datapath.

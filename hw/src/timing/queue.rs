@@ -191,9 +191,9 @@ pub(super) struct Ledger {
 }
 
 impl Ledger {
-    /// A ledger whose first clock without an entry is this, of which so many before it were busy and idle.
-    pub(super) const fn new(next: u64, busy: u64, idle: u64) -> Self {
-        Self { next, busy, idle }
+    /// A ledger whose first clock without an entry is this.
+    pub(super) const fn at(next: u64) -> Self {
+        Self { next, busy: 0, idle: 0 }
     }
 
     /// The first clock without an entry.

@@ -16,7 +16,7 @@ pub(super) trait Taps {
     fn reads(&self, tap: usize) -> u64;
     /// More than the storage index of any plane.
     fn planes(&self) -> usize;
-    /// Whether those of every tap are known to be in as many data banks.
+    /// Whether the words of each tap are known to be in as many data banks as they are.
     fn all_apart(&self) -> bool;
 }
 
@@ -25,7 +25,7 @@ pub(super) struct InPlace<'a> {
     pub(super) taps: &'a [Footprint],
     /// Addresses of one that count.
     pub(super) texels: usize,
-    /// Whether those of every tap are known to be in as many data banks.
+    /// See [`Taps::all_apart`].
     pub(super) all_apart: bool,
 }
 

@@ -262,9 +262,10 @@ fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
 
 /// The same requests as a unit hands them over: batches of footprints, the texels that are not read outside the texture.
 fn in_batches<O: TimingObserver>(machine: &Machine, requests: &[Vec<Tap>], expected: &TimingCounters, observer: O) {
-    let mut timing = Timing::new(&machine.pipeline, &machine.memory, cache(machine), READS, observer).unwrap();
-    // A surface of three planes, as many as the streams name.
-    let surface = Surface::new(PyramidKind::Mipmap, Layout::RowMajor, Format::Rgba8, 4, 4).unwrap();
+    // Of one plane; the streams name three, as those of several textures in one memory do, which are numbered on.
+    let surface = Surface::new(PyramidKind::Mipmap, Layout::RowMajor, Format::Rgba8, 1, 1).unwrap();
+    let cache = cache(machine).with_planes(3);
+    let mut timing = Timing::new(&machine.pipeline, &machine.memory, cache, READS, observer).unwrap();
     // Eight taps at a time are looked at together, and what is left of a batch one by one.
     for requests in requests.chunks(if machine.sets > 3 { 7 } else { 24 }) {
         let mut ends = Vec::new();
