@@ -5,6 +5,7 @@
 //! full set gives up is the [`Policy`]'s choice. Lookups are counted one by one in the order they arrive: no merging of
 //! equal neighbours, no ports, no time.
 
+mod changes;
 mod counters;
 mod first_reference;
 mod line_index;
@@ -23,6 +24,7 @@ use line_use::Marks;
 pub use miss_class::{MissClass, MissClasses, MissClassifier};
 pub use texel_cache::{Detail, TexelCache};
 
+use changes::Changes;
 use recency_tags::RecencyTags;
 use replacement::{FillOrder, RecencyList, Splitmix, TreeBits};
 use tags::Tags;
@@ -145,6 +147,11 @@ impl Policy {
             Self::Random { .. } => "random",
         }
     }
+
+    /// Whether a line just used is not the next victim: where it is not the only one of its set.
+    const fn protects(self, geometry: Geometry) -> bool {
+        geometry.ways > 1 && matches!(self, Self::Lru | Self::Plru)
+    }
 }
 
 /// What one lookup did. A slot is `set * ways + way`.
@@ -183,11 +190,17 @@ impl Outcome {
 /// What watches a cache at work. It is compiled into the lookup loop, so that a run without one pays nothing: `()` sees
 /// nothing.
 pub trait Observer {
+    /// Whether it must see every lookup: where it need not, it sees those that may change which lines are there or in what order they were
+    /// used, not those of a line that was just looked up.
+    const EVERY: bool = true;
+
     /// Called after every lookup, in order.
     fn lookup(&mut self, address: u64, line: u64, outcome: Outcome);
 }
 
 impl Observer for () {
+    const EVERY: bool = false;
+
     #[inline(always)]
     fn lookup(&mut self, _: u64, _: u64, _: Outcome) {}
 }
@@ -322,14 +335,16 @@ impl Cache {
     pub fn access_all<O: Observer>(&mut self, addresses: &[u64], observer: &mut O) {
         let shift = self.geometry.line.trailing_zeros();
         let sets = u64::from(self.geometry.sets);
+        let Some(&first) = addresses.first() else { return };
+        let changes = Changes::new(first, shift, self.policy.protects(self.geometry));
         self.lookups += addresses.len() as u64;
         self.misses += with_engine!(&mut self.engine, tags => if sets.is_power_of_two() && shift == 6 {
             // The commonest line by far: a shift by a constant is cheaper.
-            tags.run(addresses, |address| address >> 6, |line| (line & (sets - 1)) as usize, observer)
+            tags.run(addresses, changes, |address| address >> 6, |line| (line & (sets - 1)) as usize, observer)
         } else if sets.is_power_of_two() {
-            tags.run(addresses, |address| address >> shift, |line| (line & (sets - 1)) as usize, observer)
+            tags.run(addresses, changes, |address| address >> shift, |line| (line & (sets - 1)) as usize, observer)
         } else {
-            tags.run(addresses, |address| address >> shift, |line| (line % sets) as usize, observer)
+            tags.run(addresses, changes, |address| address >> shift, |line| (line % sets) as usize, observer)
         });
     }
 

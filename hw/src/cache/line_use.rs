@@ -2,7 +2,7 @@
 
 use bitvec::{bitvec, order::Lsb0, vec::BitVec};
 
-use super::{Geometry, GeometryError, Observer, Outcome};
+use super::{Geometry, GeometryError, Observer, Outcome, Run};
 
 /// Marks the texels read of every line in a cache, of which it must see every lookup from the first on.
 ///
@@ -62,32 +62,34 @@ impl LineUse {
         (self.left + resident) << self.texel_shift
     }
 
-    /// Whether one word holds the marks of a line.
-    pub(super) const fn is_narrow(&self) -> bool {
-        self.words == 1
+    /// Whether the texels of a line are told by a bit each.
+    pub(super) const fn is_marked(&self) -> bool {
+        self.texel_mask < Run::MARKED
     }
 
     /// The marks, laid open once for many lookups.
     #[inline(always)]
-    pub(super) fn marks<const NARROW: bool>(&mut self) -> Marks<'_, NARROW> {
-        debug_assert!(self.words == 1 || !NARROW);
-        Marks { words: self.words, marks: self.marks.as_raw_mut_slice(), left: &mut self.left }
+    pub(super) fn marks<const MARKED: bool>(&mut self) -> Marks<'_, MARKED> {
+        debug_assert!(self.is_marked() || !MARKED);
+        let marked = self.is_marked();
+        Marks { words: self.words, marked, marks: self.marks.as_raw_mut_slice(), left: &mut self.left }
     }
 }
 
-/// The marks of a [`LineUse`] as words, one a slot for certain if `NARROW`.
-pub(super) struct Marks<'a, const NARROW: bool> {
+/// The marks of a [`LineUse`] as words; texels are told by a bit each for certain if `MARKED`.
+pub(super) struct Marks<'a, const MARKED: bool> {
     words: usize,
+    marked: bool,
     marks: &'a mut [u64],
     left: &'a mut u64,
 }
 
-impl<const NARROW: bool> Marks<'_, NARROW> {
-    /// Marks texels of the line in `slot`: a bit each where a line has at most 64, else the number of one.
+impl<const MARKED: bool> Marks<'_, MARKED> {
+    /// Marks texels of the line in `slot`, told as a [`Run`] tells them.
     #[inline(always)]
-    pub(super) fn hit(&mut self, texels: u64, slot: u32) {
-        if NARROW || self.words == 1 {
-            self.marks[slot as usize] |= texels;
+    pub(super) fn hit(&mut self, texels: u32, slot: u32) {
+        if MARKED || self.marked {
+            self.marks[slot as usize] |= u64::from(texels);
         } else {
             self.marks[slot as usize * self.words + (texels / 64) as usize] |= 1 << (texels % 64);
         }
@@ -95,7 +97,7 @@ impl<const NARROW: bool> Marks<'_, NARROW> {
 
     /// The same of a line that has just come to `slot`.
     #[inline(always)]
-    pub(super) fn miss(&mut self, texels: u64, slot: u32, evicted: Option<u64>) {
+    pub(super) fn miss(&mut self, texels: u32, slot: u32, evicted: Option<u64>) {
         if evicted.is_some() {
             self.refill(slot as usize);
         }
@@ -114,8 +116,8 @@ impl<const NARROW: bool> Marks<'_, NARROW> {
 impl Observer for LineUse {
     #[inline(always)]
     fn lookup(&mut self, address: u64, _: u64, outcome: Outcome) {
-        let number = address >> self.texel_shift & self.texel_mask;
-        let texels = if self.words == 1 { 1 << number } else { number };
+        let number = (address >> self.texel_shift & self.texel_mask) as u32;
+        let texels = if self.is_marked() { 1 << number } else { number };
         match outcome {
             Outcome::Hit { slot } => self.marks::<false>().hit(texels, slot),
             Outcome::Miss { slot, evicted } => self.marks::<false>().miss(texels, slot, evicted),

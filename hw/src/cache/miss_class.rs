@@ -75,7 +75,7 @@ impl MissClassifier {
         self.classes
     }
 
-    /// Takes note of one lookup; the class if it missed.
+    /// Takes note of one lookup; the class if it missed. Lookups of the line looked up just before need not be told.
     #[inline(always)]
     pub fn classify(&mut self, line: u64, outcome: Outcome) -> Option<MissClass> {
         match outcome {
@@ -110,6 +110,8 @@ impl MissClassifier {
 }
 
 impl Observer for MissClassifier {
+    const EVERY: bool = false;
+
     #[inline(always)]
     fn lookup(&mut self, _: u64, line: u64, outcome: Outcome) {
         self.classify(line, outcome);

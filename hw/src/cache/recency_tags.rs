@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::{Observer, Outcome, tags::look_up};
+use super::{Observer, Outcome, changes::Changes, tags::look_up};
 
 /// Low bits of an entry: the way.
 const WAY_BITS: u32 = 4;
@@ -86,12 +86,13 @@ impl<const WAYS: usize> RecencyTags<WAYS> {
     pub(super) fn run<O: Observer>(
         &mut self,
         addresses: &[u64],
+        changes: Changes,
         line_of: impl Fn(u64) -> u64,
         set_of: impl Fn(u64) -> usize,
         observer: &mut O,
     ) -> u64 {
         let sets = self.sets.as_mut_slice();
-        look_up(addresses, line_of, observer, |line| Self::access_in(sets, set_of(line), line))
+        look_up(addresses, changes, line_of, observer, |line| Self::access_in(sets, set_of(line), line))
     }
 
     /// Lines held now.

@@ -13,16 +13,30 @@ use crate::{
 };
 
 /// Texels of a tap that lie in one line. The first decides; the others hit.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
 pub(crate) struct Run {
     /// Number of the line.
     pub(crate) line: u64,
-    /// Which texels of it, a bit each, where a line has at most 64; else the number of the one texel.
-    pub(super) texels: u64,
-    /// Number of the tap in its batch.
-    pub(crate) tap: u32,
-    /// Whether it is a texel on its own: only then can another run of the tap be of the same line.
-    pub(crate) alone: bool,
+    /// Which texels of it, a bit each, where a line has at most [`MARKED`](Self::MARKED); else the number of the one texel.
+    pub(super) texels: u32,
+    /// Number of the tap in its batch, and the bit [`ALONE`](Self::ALONE).
+    tap: u32,
+}
+
+impl Run {
+    /// Texels of a line that can be told by a bit each.
+    pub(super) const MARKED: u64 = 32;
+    /// It is a texel on its own: only then can another run of the tap be of the same line.
+    const ALONE: u32 = 1 << 31;
+
+    pub(crate) const fn tap(&self) -> usize {
+        (self.tap & !Self::ALONE) as usize
+    }
+
+    pub(crate) const fn is_alone(&self) -> bool {
+        self.tap & Self::ALONE != 0
+    }
 }
 
 /// What watches a cache that is read run by run.
@@ -84,6 +98,8 @@ pub(super) struct Splitter {
     set_of: SetOf,
     /// A line just used is not the next victim, unless it is the only one of its set.
     protects: bool,
+    /// Whether a run can have several texels.
+    marked: bool,
     lanes: Option<(RunLanes, RunShape)>,
     runs: Vec<Run>,
 }
@@ -91,16 +107,18 @@ pub(super) struct Splitter {
 impl Splitter {
     pub(super) fn new(geometry: Geometry, policy: Policy, texel: u32) -> Self {
         let (line_shift, texel_shift) = (geometry.line.trailing_zeros(), texel.trailing_zeros());
-        let protects = geometry.ways > 1 && matches!(policy, Policy::Lru | Policy::Plru);
+        let protects = policy.protects(geometry);
         let set_mask = if protects { None } else { Some(geometry.sets.wrapping_sub(1)) };
         let shape = RunShape { line_shift, texel_shift, set_mask };
-        let suits = geometry.line / texel <= 32 && (protects || geometry.sets.is_power_of_two());
+        let marked = u64::from(geometry.line / texel) <= Run::MARKED;
+        let suits = marked && (protects || geometry.sets.is_power_of_two());
         Self {
             line_shift,
             texel_shift,
             texel_mask: u64::from(geometry.line / texel - 1),
             set_of: SetOf::new(geometry),
             protects,
+            marked,
             lanes: RunLanes::detect().filter(|_| suits).map(|lanes| (lanes, shape)),
             runs: Vec::new(),
         }
@@ -114,12 +132,12 @@ impl Splitter {
             self.runs.resize(most, Run::default());
         }
         let mut runs = core::mem::take(&mut self.runs);
-        let whole = batch.texels_per_tap == 4 && self.texel_mask < 64;
+        let whole = batch.texels_per_tap == 4 && self.marked;
         let (mut count, mut outside) = (0, 0);
-        let mut add = |number: usize, tap: &Footprint, pair: Option<([Run; 2], usize)>| {
+        let mut add = |number: usize, tap: &Footprint, pair: Option<(&[Run; 2], usize)>| {
             let read = if let Some((pair, runs_of_tap)) = pair {
                 if let Some(places) = runs[count..].first_chunk_mut() {
-                    *places = pair;
+                    *places = *pair;
                 }
                 count += runs_of_tap;
                 4
@@ -135,24 +153,27 @@ impl Splitter {
         let (mut number, mut found) = (0, EightRuns::default());
         if let Some((lanes, shape)) = self.lanes.filter(|_| whole) {
             for taps in eights {
-                if !lanes.find(taps, shape, &mut found) {
+                if !lanes.find(taps, number as u32, shape, &mut found) {
                     break;
                 }
-                for (lane, tap) in taps.iter().enumerate() {
-                    let run = |which: usize| Run {
-                        line: found.line[which][lane].into(),
-                        texels: found.texels[which][lane].into(),
-                        tap: (number + lane) as u32,
-                        alone: false,
-                    };
-                    let pair = ([run(0), run(1)], 1 + (found.pairs >> lane & 1) as usize);
-                    add(number + lane, tap, (found.others >> lane & 1 == 0).then_some(pair));
+                let mut pairs = found.pairs;
+                if found.others == 0 {
+                    for (pair, tap) in found.runs.iter().zip(taps) {
+                        add(0, tap, Some((pair, 1 + (pairs & 1) as usize)));
+                        pairs >>= 1;
+                    }
+                } else {
+                    for (lane, (pair, tap)) in found.runs.iter().zip(taps).enumerate() {
+                        let pair = (pair, 1 + (pairs >> lane & 1) as usize);
+                        add(number + lane, tap, (found.others >> lane & 1 == 0).then_some(pair));
+                    }
                 }
                 number += taps.len();
             }
         }
         for (number, tap) in batch.taps.iter().enumerate().skip(number) {
-            add(number, tap, if whole { self.pair(number, tap) } else { None });
+            let pair = if whole { self.pair(number, tap) } else { None };
+            add(number, tap, pair.as_ref().map(|(pair, count)| (pair, *count)));
         }
         let lookups = batch.taps.len() * batch.texels_per_tap - outside;
         self.runs = runs;
@@ -172,7 +193,7 @@ impl Splitter {
             return None;
         }
         let [a, b, c, d] = tap.address.map(|address| 1 << (address >> self.texel_shift & self.texel_mask));
-        let run = |line, texels| Run { line, texels, tap: number as u32, alone: false };
+        let run = |line, texels| Run { line, texels, tap: number as u32 };
         Some(match (in_rows, in_columns) {
             (true, true) => ([run(lines[0], a | b | c | d); 2], 1),
             (true, false) => ([run(lines[0], a | b), run(lines[2], c | d)], 2),
@@ -185,9 +206,9 @@ impl Splitter {
     fn one_by_one(&self, number: usize, addresses: &[u64], runs: &mut [Run]) -> usize {
         let mut count = 0;
         for (&address, run) in addresses.iter().filter(|&&address| !is_outside(address)).zip(runs) {
-            let texel = address >> self.texel_shift & self.texel_mask;
-            let texels = if self.texel_mask < 64 { 1 << texel } else { texel };
-            *run = Run { line: address >> self.line_shift, texels, tap: number as u32, alone: true };
+            let texel = (address >> self.texel_shift & self.texel_mask) as u32;
+            let texels = if self.marked { 1 << texel } else { texel };
+            *run = Run { line: address >> self.line_shift, texels, tap: number as u32 | Run::ALONE };
             count += 1;
         }
         count

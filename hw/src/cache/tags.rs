@@ -2,23 +2,41 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::{Observer, Outcome, line_index::LineIndex, replacement::Replacement};
+use super::{
+    Observer, Outcome,
+    changes::{BLOCK, Changes},
+    line_index::LineIndex,
+    replacement::Replacement,
+};
 
 /// Sets wider than this are searched through an index instead of way by way.
 const SCANNED_WAYS_MAX: usize = 16;
 
-/// Looks up the lines of byte addresses; the answer is the number of misses. A line that comes twice running, as most do, is there
-/// the second time, and touching it again changes nothing in any policy.
+/// Looks up the lines of byte addresses; the answer is the number of misses. What changes nothing is not looked up.
 #[inline(always)]
 pub(super) fn look_up<O: Observer>(
     addresses: &[u64],
+    mut changes: Changes,
     line_of: impl Fn(u64) -> u64,
     observer: &mut O,
     mut access: impl FnMut(u64) -> Outcome,
 ) -> u64 {
     let Some(&first) = addresses.first() else { return 0 };
-    let (mut last, mut slot) = (!line_of(first), 0);
     let mut misses = 0;
+    if !O::EVERY {
+        let mut kept = [0; BLOCK];
+        for block in addresses.chunks(BLOCK) {
+            let count = changes.keep(block, &mut kept);
+            for &address in &kept[..count] {
+                let line = line_of(address);
+                let outcome = access(line);
+                misses += u64::from(!outcome.is_hit());
+                observer.lookup(address, line, outcome);
+            }
+        }
+        return misses;
+    }
+    let (mut last, mut slot) = (!line_of(first), 0);
     for &address in addresses {
         let line = line_of(address);
         if line == last {
@@ -145,13 +163,14 @@ impl<R: Replacement> Tags<R> {
     pub(super) fn run<O: Observer>(
         &mut self,
         addresses: &[u64],
+        changes: Changes,
         line_of: impl Fn(u64) -> u64,
         set_of: impl Fn(u64) -> usize,
         observer: &mut O,
     ) -> u64 {
         let Some(&first) = addresses.first() else { return 0 };
         self.prime(line_of(first));
-        look_up(addresses, line_of, observer, |line| self.access_primed(set_of(line), line))
+        look_up(addresses, changes, line_of, observer, |line| self.access_primed(set_of(line), line))
     }
 
     /// Lines held now.

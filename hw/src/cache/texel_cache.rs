@@ -226,7 +226,7 @@ impl TexelCache {
         let (runs, lookups) = self.splitter.split(batch, planes);
         let taps = batch.taps;
         match &mut self.meter {
-            Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } if line_use.is_narrow() => {
+            Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } if line_use.is_marked() => {
                 let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, taps };
                 self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
@@ -270,7 +270,7 @@ impl RunObserver for FullWatch<'_> {
     fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>) {
         self.marks.miss(run.texels, slot, evicted);
         let class = self.classifier.miss(run.line, slot);
-        let row = &mut self.planes[usize::from(self.taps[run.tap as usize].plane)];
+        let row = &mut self.planes[usize::from(self.taps[run.tap()].plane)];
         row.classes.count(class);
         row.misses += 1;
     }
@@ -299,7 +299,7 @@ impl RunObserver for SomeWatch<'_> {
         if let Some(line_use) = &mut self.meter.line_use {
             line_use.marks::<false>().miss(run.texels, slot, evicted);
         }
-        let row = &mut self.planes[usize::from(self.taps[run.tap as usize].plane)];
+        let row = &mut self.planes[usize::from(self.taps[run.tap()].plane)];
         if let Some(classifier) = &mut self.meter.classifier {
             row.classes.count(classifier.miss(run.line, slot));
         }

@@ -1,6 +1,7 @@
 //! What is asked and answered of the runs of eight taps, on any machine.
 
 use super::LANES;
+use crate::cache::Run;
 
 /// How lines and texels follow from addresses.
 #[derive(Clone, Copy, Debug)]
@@ -15,10 +16,8 @@ pub(crate) struct RunShape {
 /// The runs of eight taps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct EightRuns {
-    /// Line of the first run of each tap, and of the second.
-    pub(crate) line: [[u32; LANES]; 2],
-    /// Texels of these lines, a bit each.
-    pub(crate) texels: [[u32; LANES]; 2],
+    /// The first run of each tap, and the second.
+    pub(crate) runs: [[Run; 2]; LANES],
     /// Taps with a second run, a bit each.
     pub(crate) pairs: u32,
     /// Taps whose four texels make other runs than these, a bit each.

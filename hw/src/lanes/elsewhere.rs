@@ -58,7 +58,21 @@ impl RunLanes {
         None
     }
 
-    pub(crate) fn find(self, _: &[Footprint; 8], _: RunShape, _: &mut EightRuns) -> bool {
+    pub(crate) fn find(self, _: &[Footprint; 8], _: u32, _: RunShape, _: &mut EightRuns) -> bool {
+        match self.0 {}
+    }
+}
+
+/// Nor of this.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChangeLanes(core::convert::Infallible);
+
+impl ChangeLanes {
+    pub(crate) fn detect() -> Option<Self> {
+        None
+    }
+
+    pub(crate) fn keep(self, _: &[[u64; 4]], _: u64, _: u32, _: bool, _: &mut [u64]) -> usize {
         match self.0 {}
     }
 }

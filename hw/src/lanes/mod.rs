@@ -10,6 +10,8 @@ mod address;
 #[cfg(target_arch = "x86_64")]
 mod banks;
 #[cfg(target_arch = "x86_64")]
+mod changes;
+#[cfg(target_arch = "x86_64")]
 mod filter;
 #[cfg(target_arch = "x86_64")]
 mod footprints;
@@ -29,9 +31,10 @@ mod unit;
 #[cfg(not(target_arch = "x86_64"))]
 mod elsewhere;
 #[cfg(not(target_arch = "x86_64"))]
-use elsewhere::{self as banks, self as runs, self as unit};
+use elsewhere::{self as banks, self as changes, self as runs, self as unit};
 
 pub(crate) use banks::BankLanes;
+pub(crate) use changes::ChangeLanes;
 pub(crate) use eight_runs::{EightRuns, RunShape};
 pub(crate) use runs::RunLanes;
 pub(crate) use unit::Lanes;

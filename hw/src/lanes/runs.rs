@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::*;
 
-use super::{EightRuns, LANES, RunShape, footprints::low_words, room::Avx2};
+use super::{EightRuns, LANES, RunShape, footprints::low_words, machine::Machine, room::Avx2};
 use crate::address::Footprint;
 
 /// Divides taps, on machines that can.
@@ -14,16 +14,16 @@ impl RunLanes {
         Avx2::detect().map(Self)
     }
 
-    /// Finds the runs of taps in lines of at most 32 texels; false if an address is beyond 32 bits.
+    /// Finds the runs of taps, the first of which has the number `first`, in lines of at most 32 texels; false if an address is beyond 32 bits.
     #[inline(always)]
-    pub(crate) fn find(self, taps: &[Footprint; LANES], shape: RunShape, runs: &mut EightRuns) -> bool {
-        self.0.find_runs(taps, shape, runs)
+    pub(crate) fn find(self, taps: &[Footprint; LANES], first: u32, shape: RunShape, runs: &mut EightRuns) -> bool {
+        self.0.find_runs(taps, first, shape, runs)
     }
 }
 
 /// [`RunLanes::find`].
 #[target_feature(enable = "avx2")]
-pub(super) fn find(m: Avx2, taps: &[Footprint; LANES], shape: RunShape, runs: &mut EightRuns) -> bool {
+pub(super) fn find(m: Avx2, taps: &[Footprint; LANES], number: u32, shape: RunShape, runs: &mut EightRuns) -> bool {
     let Some(corners) = low_words(m, taps) else { return false };
     let line_shift = _mm_cvtsi32_si128(shape.line_shift as i32);
     let texel_shift = _mm_cvtsi32_si128(shape.texel_shift as i32);
@@ -53,8 +53,25 @@ pub(super) fn find(m: Avx2, taps: &[Footprint; LANES], shape: RunShape, runs: &m
     let [a, b, c, d] = marks;
     let first = any(any(a, both(b, rows)), any(both(c, columns), both(d, all)));
     let second = any(d, _mm256_blendv_epi8(b, c, rows));
-    runs.line = [m.words(lines[0]), m.words(_mm256_blendv_epi8(lines[1], lines[2], rows))];
-    runs.texels = [m.words(first), m.words(second)];
+    // Words of runs side by side: each half of a register is the run of a tap, in the order of the taps 0 and 4, 1 and 5, 2 and 6, 3 and 7.
+    let numbers = m.add(m.splat(number.cast_signed()), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    let in_runs = |line, texels| {
+        let (line, high) = (m.unpack_low(line, m.splat(0)), m.unpack_high(line, m.splat(0)));
+        let (texels, high_texels) = (m.unpack_low(texels, numbers), m.unpack_high(texels, numbers));
+        [
+            m.unpack_low64(line, texels),
+            m.unpack_high64(line, texels),
+            m.unpack_low64(high, high_texels),
+            m.unpack_high64(high, high_texels),
+        ]
+    };
+    let first = in_runs(lines[0], first);
+    let second = in_runs(_mm256_blendv_epi8(lines[1], lines[2], rows), second);
+    let (low, high) = runs.runs.split_at_mut(LANES / 2);
+    for (number, (low, high)) in low.iter_mut().zip(high).enumerate() {
+        m.store_runs(low, _mm256_permute2x128_si256::<0x20>(first[number], second[number]));
+        m.store_runs(high, _mm256_permute2x128_si256::<0x31>(first[number], second[number]));
+    }
     let lanes = |x| _mm256_movemask_ps(_mm256_castsi256_ps(x)) as u32;
     runs.pairs = lanes(all) ^ 0xFF;
     runs.others = lanes(any(rows, columns)) ^ 0xFF;

@@ -234,8 +234,8 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
 impl<T: Taps, O: TimingObserver> RunObserver for Passing<'_, T, O> {
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
-        self.go_to(run.tap as usize);
-        if run.alone && self.has_accessed(run.line) {
+        self.go_to(run.tap());
+        if run.is_alone() && self.has_accessed(run.line) {
             return;
         }
         self.hits(run.line, slot);
@@ -243,8 +243,8 @@ impl<T: Taps, O: TimingObserver> RunObserver for Passing<'_, T, O> {
 
     #[inline(always)]
     fn miss(&mut self, run: &Run, slot: u32, _: Option<u64>) {
-        self.go_to(run.tap as usize);
-        if run.alone {
+        self.go_to(run.tap());
+        if run.is_alone() {
             self.has_accessed(run.line);
         }
         self.misses(run.line, slot);

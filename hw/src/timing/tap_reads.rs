@@ -60,16 +60,16 @@ impl TapReads {
 impl RunObserver for TapReads {
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
-        if run.alone {
-            self.hit_in(run.tap, run.line, slot);
+        if run.is_alone() {
+            self.hit_in(run.tap() as u32, run.line, slot);
         } else {
-            self.accesses.push(Access { line: run.line, slot, tap: run.tap, hit: true });
+            self.accesses.push(Access { line: run.line, slot, tap: run.tap() as u32, hit: true });
         }
     }
 
     #[inline(always)]
     fn miss(&mut self, run: &Run, slot: u32, _: Option<u64>) {
-        self.miss_in(run.tap, run.line, slot);
+        self.miss_in(run.tap() as u32, run.line, slot);
     }
 }
 

@@ -10,7 +10,7 @@ use core::{arch::x86_64::*, mem::offset_of};
 use alloc::vec::Vec;
 
 use super::{
-    LANES, banks,
+    LANES, banks, changes,
     eight_runs::{EightRuns, RunShape},
     footprints,
     kernel::Kernel,
@@ -18,6 +18,7 @@ use super::{
 };
 use crate::{
     address::Footprint,
+    cache::Run,
     datapath::Texel,
     request::{Request, Response},
 };
@@ -77,9 +78,29 @@ impl Avx2 {
 
     /// [`runs::find`] in code compiled for AVX2.
     #[inline(always)]
-    pub(super) fn find_runs(self, taps: &[Footprint; LANES], shape: RunShape, runs: &mut EightRuns) -> bool {
+    pub(super) fn find_runs(
+        self,
+        taps: &[Footprint; LANES],
+        first: u32,
+        shape: RunShape,
+        runs: &mut EightRuns,
+    ) -> bool {
         // SAFETY: as above.
-        unsafe { runs::find(self, taps, shape, runs) }
+        unsafe { runs::find(self, taps, first, shape, runs) }
+    }
+
+    /// [`changes::keep`] in code compiled for AVX2.
+    #[inline(always)]
+    pub(super) fn keep_changes(
+        self,
+        addresses: &[[u64; 4]],
+        last: u64,
+        line_shift: u32,
+        turns: bool,
+        kept: &mut [u64],
+    ) -> usize {
+        // SAFETY: as above.
+        unsafe { changes::keep(self, addresses, last, line_shift, turns, kept) }
     }
 
     /// [`banks::apart`] in code compiled for AVX2.
@@ -138,6 +159,7 @@ impl<'m> Texels<'m> {
 // Loads and stores below, and those of the machines, take these as words.
 const _: () = assert!(offset_of!(Request, u) == 0 && offset_of!(Request, v) == 4 && offset_of!(Request, scale) == 8);
 const _: () = assert!(size_of::<Response>() == 8 && size_of::<Footprint>() == 48);
+const _: () = assert!(size_of::<Run>() == 16);
 
 /// Asks for the requests so many bytes after these, as many bytes as these have: a hint, of nothing that need exist.
 #[inline(always)]
@@ -176,11 +198,33 @@ impl Avx2 {
         }
     }
 
-    /// The words of a register.
+    /// Four words of 64 bits.
     #[inline(always)]
-    pub(super) fn words(self, register: __m256i) -> [u32; LANES] {
-        // SAFETY: both are 32 bytes, of which any bits are a value.
-        unsafe { core::mem::transmute(register) }
+    pub(super) fn load_four(self, words: &[u64; 4]) -> __m256i {
+        // SAFETY: `self` proves the instruction; 32 bytes of an array of as many; the load needs no alignment.
+        unsafe { _mm256_loadu_si256(words.as_ptr().cast()) }
+    }
+
+    /// Eight words.
+    #[inline(always)]
+    pub(super) fn load_order(self, words: &[i32; LANES]) -> __m256i {
+        // SAFETY: as above.
+        unsafe { _mm256_loadu_si256(words.as_ptr().cast()) }
+    }
+
+    /// Fills four words of 64 bits.
+    #[inline(always)]
+    pub(super) fn store_four(self, words: &mut [u64; 4], register: __m256i) {
+        // SAFETY: `self` proves the instruction; 32 bytes of an array of as many; the store needs no alignment.
+        unsafe { _mm256_storeu_si256(words.as_mut_ptr().cast(), register) }
+    }
+
+    /// Fills two runs, the halves of a register: the line in two words, the texels, the tap.
+    #[inline(always)]
+    pub(super) fn store_runs(self, runs: &mut [Run; 2], register: __m256i) {
+        // SAFETY: `self` proves the instruction. Two runs are the 32 bytes of this store, which needs no alignment, and any bits are a run:
+        // `repr(C)`, integers only.
+        unsafe { _mm256_storeu_si256(core::ptr::from_mut(runs).cast(), register) }
     }
 
     /// Four words as words of 64 bits.
