@@ -147,11 +147,6 @@ impl Policy {
             Self::Random { .. } => "random",
         }
     }
-
-    /// Whether a line just used is not the next victim: where it is not the only one of its set.
-    const fn protects(self, geometry: Geometry) -> bool {
-        geometry.ways > 1 && matches!(self, Self::Lru | Self::Plru)
-    }
 }
 
 /// What one lookup did. A slot is `set * ways + way`.
@@ -191,10 +186,10 @@ impl Outcome {
 /// nothing.
 pub trait Observer {
     /// Whether it must see every lookup: where it need not, it sees those that may change which lines are there or in what order they were
-    /// used, not those of a line that was just looked up.
+    /// used, not those of the line looked up just before.
     const EVERY: bool = true;
 
-    /// Called after every lookup, in order.
+    /// Called after every lookup, in order. Where it need not see every one, the address is the line's.
     fn lookup(&mut self, address: u64, line: u64, outcome: Outcome);
 }
 
@@ -336,15 +331,15 @@ impl Cache {
         let shift = self.geometry.line.trailing_zeros();
         let sets = u64::from(self.geometry.sets);
         let Some(&first) = addresses.first() else { return };
-        let changes = Changes::new(first, shift, self.policy.protects(self.geometry));
+        let changes = Changes::new(first, shift);
         self.lookups += addresses.len() as u64;
         self.misses += with_engine!(&mut self.engine, tags => if sets.is_power_of_two() && shift == 6 {
             // The commonest line by far: a shift by a constant is cheaper.
-            tags.run(addresses, changes, |address| address >> 6, |line| (line & (sets - 1)) as usize, observer)
+            tags.run(addresses, changes, |address| address >> 6, |line, sets| line as usize & (sets - 1), observer)
         } else if sets.is_power_of_two() {
-            tags.run(addresses, changes, |address| address >> shift, |line| (line & (sets - 1)) as usize, observer)
+            tags.run(addresses, changes, |address| address >> shift, |line, sets| line as usize & (sets - 1), observer)
         } else {
-            tags.run(addresses, changes, |address| address >> shift, |line| (line % sets) as usize, observer)
+            tags.run(addresses, changes, |address| address >> shift, |line, _| (line % sets) as usize, observer)
         });
     }
 

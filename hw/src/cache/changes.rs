@@ -1,50 +1,48 @@
-//! Addresses without those that change nothing, whoever looks them up.
+//! The lines of addresses without those that come twice running.
 //!
-//! A line that comes twice running is there the second time, and touching it again changes nothing in any policy. Where two lines take turns, as
-//! those of a footprint do that straddles two columns of tiles, the second turn finds both and leaves them as the first did, if a line just used
-//! is not the next victim. What is left is looked up in a loop of its own, in which a host need not guess which lines come again.
+//! Such a line is there the second time, and touching it again changes nothing in any policy. What is left is looked up in a loop of its own, in
+//! which a host need not guess which lines come again.
 
-use crate::lanes::ChangeLanes;
+use crate::lanes::{ChangeLanes, Kept};
 
-/// Addresses at a time.
-pub(super) const BLOCK: usize = 256;
-
-/// Leaves out what changes nothing.
+/// Leaves them out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Changes {
     line_shift: u32,
-    turns: bool,
     /// The address before.
     last: u64,
     lanes: Option<ChangeLanes>,
 }
 
 impl Changes {
-    /// For addresses from `first` on, in lines of two to the power of `line_shift` bytes; `turns` says that second turns change nothing either.
-    pub(super) fn new(first: u64, line_shift: u32, turns: bool) -> Self {
+    /// For addresses from `first` on, in lines of two to the power of `line_shift` bytes.
+    pub(super) fn new(first: u64, line_shift: u32) -> Self {
         // In another line than the first, whatever the lines.
-        Self { line_shift, turns, last: !first, lanes: ChangeLanes::detect() }
+        Self { line_shift, last: !first, lanes: ChangeLanes::detect() }
     }
 
-    /// Writes those of at most [`BLOCK`] addresses that may change something; the answer is how many.
+    /// Writes the lines of a block of addresses that are not the line of the address before; the answer is how many.
     #[inline(always)]
-    pub(super) fn keep(&mut self, addresses: &[u64], kept: &mut [u64; BLOCK]) -> usize {
-        let Some(&last) = addresses.last() else { return 0 };
-        let (fours, rest) = addresses.as_chunks();
-        let (mut count, mut alone) = (0, addresses);
-        if let Some(lanes) = self.lanes {
-            count = lanes.keep(fours, self.last, self.line_shift, self.turns, kept);
-            self.last = fours.last().map_or(self.last, |four| four[3]);
-            alone = rest;
+    pub(super) fn keep(&mut self, addresses: &[u64], kept: &mut Kept) -> usize {
+        let (eights, rest) = addresses.as_chunks();
+        let (mut count, mut one_by_one) = (0, addresses);
+        if let (Some(lanes), Some(last)) = (self.lanes, eights.last()) {
+            count = lanes.keep(eights, self.last, self.line_shift, kept);
+            (self.last, one_by_one) = (last[last.len() - 1], rest);
         }
-        for &address in alone {
+        for &address in one_by_one {
             if (address ^ self.last) >> self.line_shift != 0 {
-                kept[count] = address;
+                kept[count] = address >> self.line_shift;
                 count += 1;
             }
             self.last = address;
         }
-        self.last = last;
         count
+    }
+
+    /// The address of a line.
+    #[inline(always)]
+    pub(super) const fn address(&self, line: u64) -> u64 {
+        line << self.line_shift
     }
 }

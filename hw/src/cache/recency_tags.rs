@@ -88,11 +88,12 @@ impl<const WAYS: usize> RecencyTags<WAYS> {
         addresses: &[u64],
         changes: Changes,
         line_of: impl Fn(u64) -> u64,
-        set_of: impl Fn(u64) -> usize,
+        set_of: impl Fn(u64, usize) -> usize,
         observer: &mut O,
     ) -> u64 {
         let sets = self.sets.as_mut_slice();
-        look_up(addresses, changes, line_of, observer, |line| Self::access_in(sets, set_of(line), line))
+        let count = sets.len();
+        look_up(addresses, changes, line_of, observer, |line| Self::access_in(sets, set_of(line, count), line))
     }
 
     /// Lines held now.

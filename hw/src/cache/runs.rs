@@ -107,7 +107,7 @@ pub(super) struct Splitter {
 impl Splitter {
     pub(super) fn new(geometry: Geometry, policy: Policy, texel: u32) -> Self {
         let (line_shift, texel_shift) = (geometry.line.trailing_zeros(), texel.trailing_zeros());
-        let protects = policy.protects(geometry);
+        let protects = geometry.ways > 1 && matches!(policy, Policy::Lru | Policy::Plru);
         let set_mask = if protects { None } else { Some(geometry.sets.wrapping_sub(1)) };
         let shape = RunShape { line_shift, texel_shift, set_mask };
         let marked = u64::from(geometry.line / texel) <= Run::MARKED;

@@ -2,17 +2,14 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::{
-    Observer, Outcome,
-    changes::{BLOCK, Changes},
-    line_index::LineIndex,
-    replacement::Replacement,
-};
+use super::{Observer, Outcome, changes::Changes, line_index::LineIndex, replacement::Replacement};
+
+use crate::lanes::{BLOCK, Kept};
 
 /// Sets wider than this are searched through an index instead of way by way.
 const SCANNED_WAYS_MAX: usize = 16;
 
-/// Looks up the lines of byte addresses; the answer is the number of misses. What changes nothing is not looked up.
+/// Looks up the lines of byte addresses; the answer is the number of misses. A line that comes twice running, as most do, is not looked up twice.
 #[inline(always)]
 pub(super) fn look_up<O: Observer>(
     addresses: &[u64],
@@ -24,14 +21,15 @@ pub(super) fn look_up<O: Observer>(
     let Some(&first) = addresses.first() else { return 0 };
     let mut misses = 0;
     if !O::EVERY {
-        let mut kept = [0; BLOCK];
+        let mut kept: Kept = [0; _];
         for block in addresses.chunks(BLOCK) {
             let count = changes.keep(block, &mut kept);
-            for &address in &kept[..count] {
-                let line = line_of(address);
+            for &line in &kept[..count] {
                 let outcome = access(line);
-                misses += u64::from(!outcome.is_hit());
-                observer.lookup(address, line, outcome);
+                if !outcome.is_hit() {
+                    misses += 1;
+                }
+                observer.lookup(changes.address(line), line, outcome);
             }
         }
         return misses;
@@ -165,12 +163,15 @@ impl<R: Replacement> Tags<R> {
         addresses: &[u64],
         changes: Changes,
         line_of: impl Fn(u64) -> u64,
-        set_of: impl Fn(u64) -> usize,
+        set_of: impl Fn(u64, usize) -> usize,
         observer: &mut O,
     ) -> u64 {
         let Some(&first) = addresses.first() else { return 0 };
         self.prime(line_of(first));
-        look_up(addresses, changes, line_of, observer, |line| self.access_primed(set_of(line), line))
+        look_up(addresses, changes, line_of, observer, |line| {
+            let set = set_of(line, self.sets.len());
+            self.access_primed(set, line)
+        })
     }
 
     /// Lines held now.

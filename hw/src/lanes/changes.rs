@@ -1,37 +1,46 @@
-//! Addresses without those that change nothing (see `cache::changes`), four at a time.
+//! The lines of addresses without those that come twice running (see `cache::changes`).
 
 use core::arch::x86_64::*;
 
-use super::room::Avx2;
+use super::{
+    BLOCK, Kept,
+    room::{Avx2, Avx512, ask_ahead},
+};
+
+/// Bytes of addresses asked for before they are needed: the lookups between two blocks are long.
+const AHEAD: usize = 4096;
+
+/// Addresses at a time.
+pub(crate) const EIGHT: usize = 8;
 
 /// Leaves them out, on machines that can.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ChangeLanes(Avx2);
+pub(crate) enum ChangeLanes {
+    Narrow(Avx2),
+    Wide(Avx512),
+}
 
 impl ChangeLanes {
     pub(crate) fn detect() -> Option<Self> {
-        Avx2::detect().map(Self)
+        Avx512::detect().map(Self::Wide).or_else(|| Avx2::detect().map(Self::Narrow))
     }
 
-    /// Writes those of whole fours of `addresses` to `kept` whose line, which is what is above `line_shift` bits, is not that of the one before, of
-    /// the first not that of `last`; and where `turns`, of two lines that take turns in such a four only the first turn. How many.
+    /// Writes the lines of `addresses`, what is above `line_shift` bits, to `kept`: those that are not the line of the address before, before
+    /// the first of `last`. How many.
     ///
     /// # Panics
-    /// If `kept` has not as many places.
+    /// If there are more than a block of addresses.
     #[inline(always)]
-    pub(crate) fn keep(
-        self,
-        addresses: &[[u64; 4]],
-        last: u64,
-        line_shift: u32,
-        turns: bool,
-        kept: &mut [u64],
-    ) -> usize {
-        self.0.keep_changes(addresses, last, line_shift, turns, kept)
+    pub(crate) fn keep(self, addresses: &[[u64; EIGHT]], last: u64, line_shift: u32, kept: &mut Kept) -> usize {
+        assert!(addresses.len() <= BLOCK / EIGHT, "more than a block");
+        match self {
+            Self::Narrow(machine) => machine.keep_changes(addresses, last, line_shift, kept),
+            Self::Wide(machine) => machine.keep_changes(addresses, last, line_shift, kept),
+        }
     }
 }
 
-/// For each set of lanes kept, where they come from, two words each: those kept first.
+/// For each set of four lanes of 64 bits, where they come from, two words each: those of the set first.
 const ORDER: [[i32; 8]; 16] = {
     let mut order = [[0; 8]; 16];
     let mut set = 0;
@@ -50,43 +59,50 @@ const ORDER: [[i32; 8]; 16] = {
     order
 };
 
-/// How many lanes are in each set.
+/// How many lanes are in each set of four.
 const KEPT: [u8; 16] = [0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4];
 
-/// [`ChangeLanes::keep`].
+/// [`ChangeLanes::keep`], four at a time.
 #[target_feature(enable = "avx2")]
-pub(super) fn keep(
-    m: Avx2,
-    addresses: &[[u64; 4]],
-    last: u64,
-    line_shift: u32,
-    turns: bool,
-    kept: &mut [u64],
-) -> usize {
+pub(super) fn keep_fours(m: Avx2, addresses: &[[u64; EIGHT]], last: u64, line_shift: u32, kept: &mut Kept) -> usize {
     let shift = _mm_cvtsi32_si128(line_shift.cast_signed());
-    let one_turn = if turns { 0b0011 } else { 0b1111 };
     let mut before = _mm256_srl_epi64(_mm256_set1_epi64x(last.cast_signed()), shift);
     let mut count = 0;
-    for four in addresses {
-        let address = m.load_four(four);
-        let line = _mm256_srl_epi64(address, shift);
-        let turned = _mm256_permute4x64_epi64::<0b10_01_00_11>(line);
-        let same = lanes_of(_mm256_cmpeq_epi64(line, _mm256_blend_epi32::<0b11>(turned, before)));
-        before = turned;
-        let two = lanes_of(_mm256_cmpeq_epi64(line, _mm256_permute4x64_epi64::<0b01_00_11_10>(line)));
-        let keep = !same & if two == 0b1111 { one_turn } else { 0b1111 } & 0b1111;
-        let order = m.load_order(&ORDER[keep]);
-        if let Some(places) = kept[count..].first_chunk_mut() {
-            m.store_four(places, _mm256_permutevar8x32_epi32(address, order));
+    for eight in addresses {
+        ask_ahead(eight, AHEAD);
+        for four in eight.as_chunks().0 {
+            let line = _mm256_srl_epi64(m.load_four(four), shift);
+            let turned = _mm256_permute4x64_epi64::<0b10_01_00_11>(line);
+            let same = _mm256_cmpeq_epi64(line, _mm256_blend_epi32::<0b11>(turned, before));
+            before = turned;
+            let keep = (!_mm256_movemask_pd(_mm256_castsi256_pd(same)) & 0b1111) as usize;
+            let kept_first = _mm256_permutevar8x32_epi32(line, m.load_order(&ORDER[keep]));
+            // The mask changes nothing, and tells the compiler so.
+            if let Some(places) = kept[count & (BLOCK - 1)..].first_chunk_mut() {
+                m.store_four(places, kept_first);
+            }
+            count += usize::from(KEPT[keep]);
         }
-        count += usize::from(KEPT[keep]);
     }
     count
 }
 
-/// Which of four words of 64 bits have their highest bit set.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn lanes_of(words: __m256i) -> usize {
-    (_mm256_movemask_pd(_mm256_castsi256_pd(words)) & 0b1111) as usize
+/// The same, eight at a time.
+#[target_feature(enable = "avx2,avx512f,avx512bw")]
+pub(super) fn keep_eights(m: Avx512, addresses: &[[u64; EIGHT]], last: u64, line_shift: u32, kept: &mut Kept) -> usize {
+    let shift = _mm_cvtsi32_si128(line_shift.cast_signed());
+    let mut before = _mm512_srl_epi64(_mm512_set1_epi64(last.cast_signed()), shift);
+    let mut count = 0;
+    for eight in addresses {
+        ask_ahead(eight, AHEAD);
+        let line = _mm512_srl_epi64(m.load_eight(eight), shift);
+        let keep = _mm512_cmpneq_epi64_mask(line, _mm512_alignr_epi64::<7>(line, before));
+        before = line;
+        // As above.
+        if let Some(places) = kept[count & (BLOCK - 1)..].first_chunk_mut() {
+            m.store_eight(places, _mm512_maskz_compress_epi64(keep, line));
+        }
+        count += usize::from(KEPT[usize::from(keep & 15)] + KEPT[usize::from(keep >> 4)]);
+    }
+    count
 }

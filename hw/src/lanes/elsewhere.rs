@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use super::{EightRuns, RunShape};
+use super::{EightRuns, Kept, RunShape};
 use crate::{
     address::Footprint,
     datapath::Texel,
@@ -72,7 +72,7 @@ impl ChangeLanes {
         None
     }
 
-    pub(crate) fn keep(self, _: &[[u64; 4]], _: u64, _: u32, _: bool, _: &mut [u64]) -> usize {
+    pub(crate) fn keep(self, _: &[[u64; 8]], _: u64, _: u32, _: &mut Kept) -> usize {
         match self.0 {}
     }
 }

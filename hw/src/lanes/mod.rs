@@ -41,3 +41,9 @@ pub(crate) use unit::Lanes;
 
 /// Requests, or taps, at a time.
 pub(crate) const LANES: usize = 8;
+
+/// Addresses of a stream at a time.
+pub(crate) const BLOCK: usize = 256;
+
+/// Room for a block of addresses, and for what a register has more.
+pub(crate) type Kept = [u64; BLOCK + 8];

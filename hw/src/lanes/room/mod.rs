@@ -10,7 +10,8 @@ use core::{arch::x86_64::*, mem::offset_of};
 use alloc::vec::Vec;
 
 use super::{
-    LANES, banks, changes,
+    Kept, LANES, banks,
+    changes::{self, EIGHT},
     eight_runs::{EightRuns, RunShape},
     footprints,
     kernel::Kernel,
@@ -89,18 +90,11 @@ impl Avx2 {
         unsafe { runs::find(self, taps, first, shape, runs) }
     }
 
-    /// [`changes::keep`] in code compiled for AVX2.
+    /// [`changes::keep_fours`] in code compiled for AVX2.
     #[inline(always)]
-    pub(super) fn keep_changes(
-        self,
-        addresses: &[[u64; 4]],
-        last: u64,
-        line_shift: u32,
-        turns: bool,
-        kept: &mut [u64],
-    ) -> usize {
+    pub(super) fn keep_changes(self, addresses: &[[u64; EIGHT]], last: u64, line_shift: u32, kept: &mut Kept) -> usize {
         // SAFETY: as above.
-        unsafe { changes::keep(self, addresses, last, line_shift, turns, kept) }
+        unsafe { changes::keep_fours(self, addresses, last, line_shift, kept) }
     }
 
     /// [`banks::apart`] in code compiled for AVX2.
@@ -108,6 +102,29 @@ impl Avx2 {
     pub(super) fn apart(self, taps: &[Footprint; LANES], word_shift: u32, bank_mask: u32) -> Option<u8> {
         // SAFETY: as above.
         unsafe { banks::apart(self, taps, word_shift, bank_mask) }
+    }
+}
+
+impl Avx512 {
+    /// [`changes::keep_eights`] in code compiled for this machine.
+    #[inline(always)]
+    pub(super) fn keep_changes(self, addresses: &[[u64; EIGHT]], last: u64, line_shift: u32, kept: &mut Kept) -> usize {
+        // SAFETY: it is unsafe to call only where one of its features is missing, and `self` is the proof that none is.
+        unsafe { changes::keep_eights(self, addresses, last, line_shift, kept) }
+    }
+
+    /// Eight words of 64 bits.
+    #[inline(always)]
+    pub(super) fn load_eight(self, words: &[u64; EIGHT]) -> __m512i {
+        // SAFETY: `self` proves the instruction; 64 bytes of an array of as many; the load needs no alignment.
+        unsafe { _mm512_loadu_si512(words.as_ptr().cast()) }
+    }
+
+    /// Fills eight words of 64 bits.
+    #[inline(always)]
+    pub(super) fn store_eight(self, words: &mut [u64; EIGHT], register: __m512i) {
+        // SAFETY: `self` proves the instruction; 64 bytes of an array of as many; the store needs no alignment.
+        unsafe { _mm512_storeu_si512(words.as_mut_ptr().cast(), register) }
     }
 }
 
@@ -161,11 +178,11 @@ const _: () = assert!(offset_of!(Request, u) == 0 && offset_of!(Request, v) == 4
 const _: () = assert!(size_of::<Response>() == 8 && size_of::<Footprint>() == 48);
 const _: () = assert!(size_of::<Run>() == 16);
 
-/// Asks for the requests so many bytes after these, as many bytes as these have: a hint, of nothing that need exist.
+/// Asks for what is so many bytes after this, as many bytes as this has: a hint, of nothing that need exist.
 #[inline(always)]
-pub(super) fn ask_ahead(requests: &[Request], distance: usize) {
-    let first: *const i8 = requests.as_ptr().cast();
-    for line in (0..size_of_val(requests)).step_by(64) {
+pub(super) fn ask_ahead<T>(now: &[T], distance: usize) {
+    let first: *const i8 = now.as_ptr().cast();
+    for line in (0..size_of_val(now)).step_by(64) {
         // SAFETY: a prefetch reads nothing and traps on nothing; every machine with vectors has it.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(distance + line)) }
     }
