@@ -27,6 +27,7 @@ pub use texel_cache::{Detail, TexelCache};
 use changes::Changes;
 use recency_tags::RecencyTags;
 use replacement::{FillOrder, RecencyList, Splitmix, TreeBits};
+use shadow::Hits as ShadowHits;
 use tags::Tags;
 
 /// Shape of a cache.
@@ -275,7 +276,7 @@ macro_rules! with_engine {
 }
 
 mod runs;
-pub(crate) use runs::{Run, RunObserver};
+pub(crate) use runs::{Run, RunHits, RunObserver};
 use runs::{SetOf, Splitter};
 
 impl Cache {

@@ -253,7 +253,7 @@ impl<O: TimingObserver> Timing<O> {
 
         (c.miss_port_busy, c.miss_port_idle) = misses.port.closed(cycles);
         (c.miss_queue_sum, c.miss_queue_max) = misses.miss_queue.usage();
-        (c.reorder_buffer_sum, c.reorder_buffer_max) = misses.reorder_buffer.usage();
+        (c.reorder_buffer_sum, c.reorder_buffer_max) = misses.waiting.reorder_buffer.usage();
         (c.miss_status_sum, c.miss_status_max) = misses.status.usage();
         (c.fill_latency_sum, c.fill_latency_min, c.fill_latency_max) = misses.fill_latency.all();
 

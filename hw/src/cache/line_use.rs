@@ -85,6 +85,12 @@ pub(super) struct Marks<'a, const MARKED: bool> {
 }
 
 impl<const MARKED: bool> Marks<'_, MARKED> {
+    /// The same marks for a while.
+    #[inline(always)]
+    pub(super) fn lent(&mut self) -> Marks<'_, MARKED> {
+        Marks { words: self.words, marked: self.marked, marks: self.marks, left: self.left }
+    }
+
     /// Marks texels of the line in `slot`, told as a [`Run`] tells them.
     #[inline(always)]
     pub(super) fn hit(&mut self, texels: u32, slot: u32) {
@@ -99,18 +105,17 @@ impl<const MARKED: bool> Marks<'_, MARKED> {
     #[inline(always)]
     pub(super) fn miss(&mut self, texels: u32, slot: u32, evicted: Option<u64>) {
         if evicted.is_some() {
-            self.refill(slot as usize);
+            let (first, words) = (slot as usize * self.words, if MARKED { 1 } else { self.words });
+            *self.left += take_marks(&mut self.marks[first..first + words]);
         }
         self.hit(texels, slot);
     }
+}
 
-    #[inline(never)]
-    fn refill(&mut self, slot: usize) {
-        for word in &mut self.marks[slot * self.words..(slot + 1) * self.words] {
-            *self.left += u64::from(word.count_ones());
-            *word = 0;
-        }
-    }
+/// The number of marks, which are gone then.
+#[inline(always)]
+fn take_marks(words: &mut [u64]) -> u64 {
+    words.iter_mut().map(|word| u64::from(core::mem::take(word).count_ones())).sum()
 }
 
 impl Observer for LineUse {

@@ -1,6 +1,9 @@
 //! The three classes of misses (Hill & Smith 1989): compulsory, capacity, conflict.
 
-use super::{Geometry, GeometryError, LineSet, Observer, Outcome, shadow::Shadow};
+use super::{
+    Geometry, GeometryError, LineSet, Observer, Outcome,
+    shadow::{Hits, Shadow},
+};
 
 /// Why a line was not there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -85,6 +88,12 @@ impl MissClassifier {
             }
             Outcome::Miss { slot, .. } => Some(self.miss(line, slot)),
         }
+    }
+
+    /// For hits that are likely to follow.
+    #[inline(always)]
+    pub(super) fn hits(&mut self) -> Hits<'_> {
+        self.shadow.hits()
     }
 
     /// Takes note of a hit.

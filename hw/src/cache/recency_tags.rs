@@ -38,12 +38,35 @@ impl<const WAYS: usize> RecencyTags<WAYS> {
         }
     }
 
-    /// Looks `line` up in `set`, which must be its own, as one that is likely in either of the two most recent places: taps of two
-    /// levels take turns, and a host cannot guess in which.
+    /// Looks `line` up in `set`, which must be its own.
     #[inline(always)]
     pub(super) fn access(&mut self, set: usize, line: u64) -> Outcome {
+        Self::access_either(&mut self.sets, set, line)
+    }
+
+    /// Looks up lines for as long as `go_on` says of each and its outcome; the one of which it did not, if there was one.
+    #[inline(always)]
+    pub(super) fn access_until<'i, T>(
+        &mut self,
+        items: &mut core::slice::Iter<'i, T>,
+        line_of: impl Fn(&T) -> u64,
+        set_of: impl Fn(u64, usize) -> usize,
+        mut go_on: impl FnMut(&T, Outcome) -> bool,
+    ) -> Option<(&'i T, Outcome)> {
+        let sets = self.sets.as_mut_slice();
+        let count = sets.len();
+        items.find_map(|item| {
+            let line = line_of(item);
+            let outcome = Self::access_either(sets, set_of(line, count), line);
+            (!go_on(item, outcome)).then_some((item, outcome))
+        })
+    }
+
+    /// Looks up one that is likely in either of the two most recent places: taps of two levels take turns, and a host cannot guess in which.
+    #[inline(always)]
+    fn access_either(sets: &mut [[u64; WAYS]], set: usize, line: u64) -> Outcome {
         let key = line << WAY_BITS;
-        let entries = &mut self.sets[set];
+        let entries = &mut sets[set];
         if WAYS > 1 {
             let (first, second) = (entries[0], entries[1]);
             let (from_first, from_second) = (first ^ key, second ^ key);
@@ -54,7 +77,7 @@ impl<const WAYS: usize> RecencyTags<WAYS> {
                 return Outcome::Hit { slot: (set * WAYS) as u32 + (front & WAY) as u32 };
             }
         }
-        Self::access_in(&mut self.sets, set, line)
+        Self::access_in(sets, set, line)
     }
 
     #[inline(always)]

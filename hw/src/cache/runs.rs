@@ -41,21 +41,81 @@ impl Run {
 
 /// What watches a cache that is read run by run.
 pub(crate) trait RunObserver {
+    /// What takes the hits of a stretch of runs without a miss.
+    type Hits<'h>: RunHits
+    where
+        Self: 'h;
+
+    /// A stretch begins.
+    fn hits(&mut self) -> Self::Hits<'_>;
     /// A run was read, and its line was there.
     fn hit(&mut self, run: &Run, slot: u32);
     /// A run was read, and its line was not there; `evicted` is the line that had to leave.
     fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>);
 }
 
+/// Hits one after the other. What is needed for them is laid open for as long, so that a host can have it in registers.
+pub(crate) trait RunHits {
+    /// Whether it takes a hit in this slot, as far as that can be said beforehand.
+    fn takes(&self, slot: u32) -> bool;
+    /// A run was read, and its line was there; false if the observer must be told instead.
+    fn hit(&mut self, run: &Run, slot: u32) -> bool;
+    /// The stretch ends.
+    fn close(self);
+}
+
 impl RunObserver for () {
+    type Hits<'h> = ();
+
+    #[inline(always)]
+    fn hits(&mut self) {}
     #[inline(always)]
     fn hit(&mut self, _: &Run, _: u32) {}
     #[inline(always)]
     fn miss(&mut self, _: &Run, _: u32, _: Option<u64>) {}
 }
 
+impl RunHits for () {
+    #[inline(always)]
+    fn takes(&self, _: u32) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn hit(&mut self, _: &Run, _: u32) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn close(self) {}
+}
+
+/// The first of them says beforehand for certain.
+impl<A: RunHits, B: RunHits> RunHits for (A, B) {
+    #[inline(always)]
+    fn takes(&self, slot: u32) -> bool {
+        self.0.takes(slot) && self.1.takes(slot)
+    }
+    #[inline(always)]
+    fn hit(&mut self, run: &Run, slot: u32) -> bool {
+        self.0.takes(slot) && self.1.hit(run, slot) && self.0.hit(run, slot)
+    }
+    #[inline(always)]
+    fn close(self) {
+        self.0.close();
+        self.1.close();
+    }
+}
+
 /// One after the other.
 impl<A: RunObserver, B: RunObserver> RunObserver for (&mut A, &mut B) {
+    type Hits<'h>
+        = (A::Hits<'h>, B::Hits<'h>)
+    where
+        Self: 'h;
+
+    #[inline(always)]
+    fn hits(&mut self) -> Self::Hits<'_> {
+        (self.0.hits(), self.1.hits())
+    }
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
         self.0.hit(run, slot);
@@ -222,23 +282,36 @@ impl Cache {
         let mut misses = 0;
         // A loop for each way to find a set, and in it nothing that would keep a host from holding all it needs in registers.
         macro_rules! access {
-            ($tags:ident, $set:expr) => {
-                for run in runs {
-                    match $tags.access($set(run.line) as usize, run.line) {
-                        Outcome::Hit { slot } => observer.hit(run, slot),
-                        Outcome::Miss { slot, evicted } => {
+            ($tags:ident, $set:expr) => {{
+                let mut runs = runs.iter();
+                loop {
+                    let mut hits = observer.hits();
+                    let told = $tags.access_until(
+                        &mut runs,
+                        |run| run.line,
+                        $set,
+                        |run, outcome| match outcome {
+                            Outcome::Hit { slot } => hits.hit(run, slot),
+                            Outcome::Miss { .. } => false,
+                        },
+                    );
+                    hits.close();
+                    match told {
+                        None => break,
+                        Some((run, Outcome::Hit { slot })) => observer.hit(run, slot),
+                        Some((run, Outcome::Miss { slot, evicted })) => {
                             misses += 1;
                             observer.miss(run, slot, evicted);
                         }
                     }
                 }
-            };
+            }};
         }
-        let SetOf { sets, mask } = SetOf::new(self.geometry);
-        with_engine!(&mut self.engine, tags => if mask == u64::MAX {
-            access!(tags, |line| line % sets)
+        let power_of_two = self.geometry.sets.is_power_of_two();
+        with_engine!(&mut self.engine, tags => if power_of_two {
+            access!(tags, |line, sets| line as usize & (sets - 1))
         } else {
-            access!(tags, |line| line & mask)
+            access!(tags, |line, sets| (line % sets as u64) as usize)
         });
         self.lookups += lookups;
         self.misses += misses;

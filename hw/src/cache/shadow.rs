@@ -15,36 +15,84 @@ const NONE: u32 = u32::MAX;
 /// since. Every entry is read once; when the log is full, what no longer counts is dropped.
 #[derive(Clone, Debug)]
 pub(super) struct Shadow {
-    /// Places as they were used.
-    log: Vec<u32>,
-    /// Where the next entry goes, and the first that has not been read.
-    next: usize,
-    first: usize,
+    uses: Uses,
     /// For each slot of the real cache the place of its line, or `NONE` where that has been thrown out here but not there.
     slots: Vec<u32>,
-    /// Lines of this cache by place, where the log has their last use, and the slots of the real cache they are in, or `NONE`.
+    /// Lines of this cache by place, and the slots of the real cache they are in, or `NONE`.
     lines: Vec<u64>,
-    used: Vec<u32>,
     slot_of: Vec<u32>,
     index: LineIndex,
     /// Places filled, the lowest ones.
     filled: usize,
 }
 
+/// The log of uses.
+#[derive(Clone, Debug)]
+struct Uses {
+    /// Places as they were used.
+    log: Vec<u32>,
+    /// For each place where the log has its last use.
+    last: Vec<u32>,
+    /// Where the next entry goes, and the first that has not been read.
+    next: usize,
+    first: usize,
+}
+
+/// Hits of lines that are here as well, one after the other, for as long as the log has room.
+pub(super) struct Hits<'a> {
+    log: &'a mut [u32],
+    last: &'a mut [u32],
+    slots: &'a [u32],
+    next: usize,
+    /// Where that comes back to.
+    back: &'a mut usize,
+}
+
+impl Hits<'_> {
+    /// Whether a hit in this slot is taken.
+    #[inline(always)]
+    pub(super) fn takes(&self, slot: usize) -> bool {
+        self.next < self.log.len() && (self.slots[slot] as usize) < self.last.len()
+    }
+
+    /// The real cache hit in this slot; false if this is to be told to [`Shadow::hit`].
+    #[inline(always)]
+    pub(super) fn hit(&mut self, slot: usize) -> bool {
+        let place = self.slots[slot];
+        // A place that is none has no last use.
+        let (Some(entry), Some(last)) = (self.log.get_mut(self.next), self.last.get_mut(place as usize)) else {
+            return false;
+        };
+        (*entry, *last) = (place, self.next as u32);
+        self.next += 1;
+        true
+    }
+
+    /// That was the last one.
+    #[inline(always)]
+    pub(super) fn close(self) {
+        *self.back = self.next;
+    }
+}
+
 impl Shadow {
     pub(super) fn new(lines: usize) -> Self {
         Self {
             // Long enough that dropping, which costs as much as there are lines, is rare; short enough for the host's cache.
-            log: vec![NONE; (8 * lines).max(64)],
-            next: 0,
-            first: 0,
+            uses: Uses { log: vec![NONE; (8 * lines).max(64)], last: vec![NONE; lines], next: 0, first: 0 },
             slots: vec![NONE; lines],
             lines: vec![0; lines],
-            used: vec![NONE; lines],
             slot_of: vec![NONE; lines],
             index: LineIndex::new(lines),
             filled: 0,
         }
+    }
+
+    /// For hits that are likely to follow.
+    #[inline(always)]
+    pub(super) fn hits(&mut self) -> Hits<'_> {
+        let Uses { log, last, next, .. } = &mut self.uses;
+        Hits { log, last, slots: &self.slots, next: *next, back: next }
     }
 
     /// The real cache hit in this slot.
@@ -52,7 +100,7 @@ impl Shadow {
     pub(super) fn hit(&mut self, line: u64, slot: usize) {
         match self.slots[slot] {
             NONE => self.fill(line, slot),
-            place => self.touch(place),
+            place => self.uses.touch(place),
         }
     }
 
@@ -70,24 +118,12 @@ impl Shadow {
         here.is_some()
     }
 
-    /// Notes the use of a line.
-    #[inline(always)]
-    fn touch(&mut self, place: u32) {
-        if self.next == self.log.len() {
-            self.drop_used();
-        }
-        if let (Some(entry), Some(used)) = (self.log.get_mut(self.next), self.used.get_mut(place as usize)) {
-            (*entry, *used) = (place, self.next as u32);
-            self.next += 1;
-        }
-    }
-
     /// Notes the use of a line that the real cache has in `slot`.
     #[inline(always)]
     fn link(&mut self, place: u32, slot: usize) {
         self.slots[slot] = place;
         self.slot_of[place as usize] = slot as u32;
-        self.touch(place);
+        self.uses.touch(place);
     }
 
     /// Brings in a line that the real cache has in `slot`.
@@ -97,7 +133,7 @@ impl Shadow {
             self.filled += 1;
             self.filled as u32 - 1
         } else {
-            let place = self.oldest();
+            let place = self.uses.oldest();
             self.index.remove(self.lines[place as usize], place);
             if let Some(place) = self.slots.get_mut(self.slot_of[place as usize] as usize) {
                 *place = NONE;
@@ -108,31 +144,46 @@ impl Shadow {
         self.index.insert(line, place);
         self.link(place, slot);
     }
+}
 
-    /// The place of the line not used for longest, which there is.
+impl Uses {
+    /// Notes the use of a place.
+    #[inline(always)]
+    fn touch(&mut self, place: u32) {
+        if self.next == self.log.len() {
+            self.drop_former();
+        }
+        if let (Some(entry), Some(last)) = (self.log.get_mut(self.next), self.last.get_mut(place as usize)) {
+            (*entry, *last) = (place, self.next as u32);
+            self.next += 1;
+        }
+    }
+
+    /// The place not used for longest, of which there is one.
     #[inline(always)]
     fn oldest(&mut self) -> u32 {
         loop {
             let place = self.log[self.first];
             self.first += 1;
-            if self.used[place as usize] as usize == self.first - 1 {
+            if self.last[place as usize] as usize == self.first - 1 {
                 return place;
             }
         }
     }
 
-    /// Drops what does not count from a full log.
+    /// Drops uses that were not the last of their place from a full log.
     #[cold]
-    fn drop_used(&mut self) {
+    fn drop_former(&mut self) {
         let mut kept = 0;
         for number in self.first..self.log.len() {
             let place = self.log[number];
-            let Some(used) = self.used.get_mut(place as usize) else { continue };
-            if *used as usize == number {
-                *used = kept as u32;
-                self.log[kept] = place;
-                kept += 1;
-            }
+            let Some(last) = self.last.get(place as usize) else { continue };
+            // Written in any case: whether it stays is not to be guessed.
+            self.log[kept] = place;
+            kept += usize::from(*last as usize == number);
+        }
+        for (number, &place) in self.log[..kept].iter().enumerate() {
+            self.last[place as usize] = number as u32;
         }
         (self.first, self.next) = (0, kept);
     }

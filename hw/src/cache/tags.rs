@@ -94,6 +94,22 @@ impl<R: Replacement> Tags<R> {
         self.access_primed(set, line)
     }
 
+    /// Looks up lines for as long as `go_on` says of each and its outcome; the one of which it did not, if there was one.
+    #[inline(always)]
+    pub(super) fn access_until<'i, T>(
+        &mut self,
+        items: &mut core::slice::Iter<'i, T>,
+        line_of: impl Fn(&T) -> u64,
+        set_of: impl Fn(u64, usize) -> usize,
+        mut go_on: impl FnMut(&T, Outcome) -> bool,
+    ) -> Option<(&'i T, Outcome)> {
+        items.find_map(|item| {
+            let line = line_of(item);
+            let outcome = self.access(set_of(line, self.sets.len()), line);
+            (!go_on(item, outcome)).then_some((item, outcome))
+        })
+    }
+
     /// With one set there is no line of another set to mark it empty, but any line other than the first to come does.
     #[inline(always)]
     fn prime(&mut self, first: u64) {

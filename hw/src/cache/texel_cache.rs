@@ -10,7 +10,7 @@ use crate::{
 
 use super::{
     Cache, Counters, Geometry, GeometryError, LineUse, Marks, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
-    Run, RunObserver, Splitter,
+    Run, RunHits, RunObserver, ShadowHits, Splitter,
 };
 
 /// Which of the dearer counters to keep. What is not kept costs nothing and reads 0.
@@ -259,7 +259,41 @@ struct FullWatch<'a> {
     taps: &'a [Footprint],
 }
 
+/// Hits of a stretch: their marks, and the shadow's part of them.
+struct FullHits<'h> {
+    marks: Marks<'h, true>,
+    shadow: ShadowHits<'h>,
+}
+
+impl RunHits for FullHits<'_> {
+    #[inline(always)]
+    fn takes(&self, slot: u32) -> bool {
+        self.shadow.takes(slot as usize)
+    }
+
+    #[inline(always)]
+    fn hit(&mut self, run: &Run, slot: u32) -> bool {
+        self.marks.hit(run.texels, slot);
+        self.shadow.hit(slot as usize)
+    }
+
+    #[inline(always)]
+    fn close(self) {
+        self.shadow.close();
+    }
+}
+
 impl RunObserver for FullWatch<'_> {
+    type Hits<'h>
+        = FullHits<'h>
+    where
+        Self: 'h;
+
+    #[inline(always)]
+    fn hits(&mut self) -> FullHits<'_> {
+        FullHits { marks: self.marks.lent(), shadow: self.classifier.hits() }
+    }
+
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
         self.marks.hit(run.texels, slot);
@@ -283,7 +317,46 @@ struct SomeWatch<'a> {
     taps: &'a [Footprint],
 }
 
+/// The same, of what is wanted.
+struct SomeHits<'h> {
+    marks: Option<Marks<'h, false>>,
+    shadow: Option<ShadowHits<'h>>,
+}
+
+impl RunHits for SomeHits<'_> {
+    #[inline(always)]
+    fn takes(&self, slot: u32) -> bool {
+        self.shadow.as_ref().is_none_or(|shadow| shadow.takes(slot as usize))
+    }
+
+    #[inline(always)]
+    fn hit(&mut self, run: &Run, slot: u32) -> bool {
+        if let Some(marks) = &mut self.marks {
+            marks.hit(run.texels, slot);
+        }
+        self.shadow.as_mut().is_none_or(|shadow| shadow.hit(slot as usize))
+    }
+
+    #[inline(always)]
+    fn close(self) {
+        if let Some(shadow) = self.shadow {
+            shadow.close();
+        }
+    }
+}
+
 impl RunObserver for SomeWatch<'_> {
+    type Hits<'h>
+        = SomeHits<'h>
+    where
+        Self: 'h;
+
+    #[inline(always)]
+    fn hits(&mut self) -> SomeHits<'_> {
+        let Meter { classifier, line_use, .. } = &mut *self.meter;
+        SomeHits { marks: line_use.as_mut().map(LineUse::marks), shadow: classifier.as_mut().map(MissClassifier::hits) }
+    }
+
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
         if let Some(line_use) = &mut self.meter.line_use {

@@ -15,14 +15,14 @@ pub(crate) const EIGHT: usize = 8;
 
 /// Leaves them out, on machines that can.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum ChangeLanes {
-    Narrow(Avx2),
-    Wide(Avx512),
+pub(crate) struct ChangeLanes {
+    machine: Avx2,
+    wide: Option<Avx512>,
 }
 
 impl ChangeLanes {
     pub(crate) fn detect() -> Option<Self> {
-        Avx512::detect().map(Self::Wide).or_else(|| Avx2::detect().map(Self::Narrow))
+        Avx2::detect().map(|machine| Self { machine, wide: Avx512::detect() })
     }
 
     /// Writes the lines of `addresses`, what is above `line_shift` bits, to `kept`: those that are not the line of the address before, before
@@ -33,9 +33,9 @@ impl ChangeLanes {
     #[inline(always)]
     pub(crate) fn keep(self, addresses: &[[u64; EIGHT]], last: u64, line_shift: u32, kept: &mut Kept) -> usize {
         assert!(addresses.len() <= BLOCK / EIGHT, "more than a block");
-        match self {
-            Self::Narrow(machine) => machine.keep_changes(addresses, last, line_shift, kept),
-            Self::Wide(machine) => machine.keep_changes(addresses, last, line_shift, kept),
+        match self.wide {
+            Some(machine) => machine.keep_changes(addresses, last, line_shift, kept),
+            None => self.machine.keep_changes(addresses, last, line_shift, kept),
         }
     }
 }

@@ -14,6 +14,27 @@ pub(super) struct MissStatus {
     slots: Vec<Slot>,
 }
 
+/// Hits one after the other.
+pub(super) struct StatusHits<'h> {
+    merges: u32,
+    slots: &'h mut [Slot],
+}
+
+impl StatusHits<'_> {
+    /// A hit in this clock, and whether it is merged; nothing of one that must wait for the line.
+    #[inline(always)]
+    pub(super) fn hit(&mut self, slot: u32, clock: u64) -> Option<bool> {
+        let slot = &mut self.slots[slot as usize];
+        // If this hit is before the line is there, so were all before it, and they were merged.
+        let before = clock < slot.filled;
+        if before && slot.hits >= self.merges {
+            return None;
+        }
+        slot.hits = slot.hits.wrapping_add(1);
+        Some(before)
+    }
+}
+
 #[derive(Clone, Copy, Debug, Default)]
 struct Slot {
     /// Clock from which the slot's line can be read.
@@ -32,17 +53,20 @@ impl MissStatus {
     /// line is there if it is on its way and takes no more merges; and whether it is merged.
     #[inline(always)]
     pub(super) fn hit(&mut self, slot: u32, clock: u64) -> (u64, bool) {
-        let slot = &mut self.slots[slot as usize];
-        // If this hit is before the line is there, so were all before it, and they were merged.
-        let merged = slot.hits;
-        slot.hits = slot.hits.wrapping_add(1);
-        if clock >= slot.filled {
-            (clock, false)
-        } else if merged < self.merges {
-            (clock, true)
-        } else {
-            (slot.filled, false)
+        match self.hits().hit(slot, clock) {
+            Some(merged) => (clock, merged),
+            None => {
+                let slot = &mut self.slots[slot as usize];
+                slot.hits = slot.hits.wrapping_add(1);
+                (slot.filled, false)
+            }
         }
+    }
+
+    /// For hits that are likely to follow.
+    #[inline(always)]
+    pub(super) fn hits(&mut self) -> StatusHits<'_> {
+        StatusHits { merges: self.merges, slots: &mut self.slots }
     }
 
     /// A slot gets a new line.

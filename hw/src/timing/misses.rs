@@ -19,7 +19,6 @@ use crate::{cache::TexelCache, decompression::Piece};
 /// The way of a miss.
 #[derive(Clone, Debug)]
 pub(super) struct Misses {
-    prefetching: bool,
     line_shift: u32,
     tag_latency: u64,
     pub(super) memory: Memory,
@@ -27,17 +26,37 @@ pub(super) struct Misses {
     line: Ask,
     pub(super) decompressor: Option<Decompressor>,
     pub(super) miss_queue: Fifo,
-    pub(super) reorder_buffer: Fifo,
+    pub(super) waiting: Waiting,
     pub(super) status: MissStatus,
     pub(super) port: Ledger,
     /// In blocking mode, the first clock the next access can be made in.
     pub(super) unblocked: u64,
     /// What the decompressor asked for to fill the last line.
     stored: Vec<StoredFetch>,
-    /// Clocks of the misses of the tap at hand.
-    clocks: [u64; READS_MAX],
     pub(super) stalls: MissStalls,
     pub(super) fill_latency: Spread,
+}
+
+/// Lines that are waited for.
+#[derive(Clone, Debug)]
+pub(super) struct Waiting {
+    /// In blocking mode there is none.
+    prefetching: bool,
+    pub(super) reorder_buffer: Fifo,
+    /// Clocks of the misses of the tap at hand.
+    clocks: [u64; READS_MAX],
+}
+
+impl Waiting {
+    /// The tap at hand, which missed `count` lines, is read in clock `data`.
+    #[inline(always)]
+    pub(super) fn read(&mut self, count: usize, data: u64) {
+        if self.prefetching {
+            for &access in &self.clocks[..count] {
+                self.reorder_buffer.pass(access, data + 1);
+            }
+        }
+    }
 }
 
 /// Clocks by what held a miss up.
@@ -67,16 +86,18 @@ impl Misses {
             line: memory.ask(0, geometry.line),
             decompressor: behind.map(|behind| Decompressor::new(p, behind, geometry.line, &memory)),
             memory,
-            prefetching: p.mode == Mode::Prefetching,
             line_shift: geometry.line.trailing_zeros(),
             tag_latency: p.tag_latency.into(),
             miss_queue: Fifo::new(p.miss_queue),
-            reorder_buffer: Fifo::new(p.reorder_buffer),
+            waiting: Waiting {
+                prefetching: p.mode == Mode::Prefetching,
+                reorder_buffer: Fifo::new(p.reorder_buffer),
+                clocks: [0; READS_MAX],
+            },
             status: MissStatus::new(p.miss_status, p.merges, geometry.lines() as usize),
             port: Ledger::default(),
             unblocked: 0,
             stored: Vec::new(),
-            clocks: [0; READS_MAX],
             stalls: MissStalls::default(),
             fill_latency: Spread::default(),
         })
@@ -95,8 +116,8 @@ impl Misses {
         row: &mut PlaneTiming,
     ) -> Missed {
         let mut tag = Ledger::at(next);
-        if self.prefetching {
-            let room = self.reorder_buffer.room_ahead(earlier);
+        if self.waiting.prefetching {
+            let room = self.waiting.reorder_buffer.room_ahead(earlier);
             tag.stall_until(room, &mut self.stalls.reorder_buffer);
             let entry = self.status.room(clock.max(room));
             tag.stall_until(entry, &mut self.stalls.miss_status);
@@ -118,12 +139,12 @@ impl Misses {
         };
         self.miss_queue.pass(clock, fetch.taken + 1);
         self.status.fill(slot, fetch.filled);
-        if self.prefetching {
+        if self.waiting.prefetching {
             self.status.hold(clock, fetch.filled + 1);
         } else {
             self.unblocked = fetch.filled + 1;
         }
-        self.clocks[earlier] = clock;
+        self.waiting.clocks[earlier] = clock;
 
         self.fill_latency.add(fetch.filled - clock);
         row.fetches_failed += 1;
@@ -175,15 +196,5 @@ impl Misses {
     #[inline(always)]
     pub(super) fn stored(&self) -> &[StoredFetch] {
         &self.stored
-    }
-
-    /// The tap at hand, which missed `count` lines, is read in clock `data`.
-    #[inline(always)]
-    pub(super) fn read(&mut self, count: usize, data: u64) {
-        if self.prefetching {
-            for &access in &self.clocks[..count] {
-                self.reorder_buffer.pass(access, data + 1);
-            }
-        }
     }
 }

@@ -8,14 +8,15 @@ use super::{
     counters::PlaneTiming,
     data_banks::DataBanks,
     events::{FillTimes, StoredFetch, TimingObserver},
-    misses::Misses,
+    miss_status::StatusHits,
+    misses::{Misses, Waiting},
     pipeline::Counts,
     tap_reads::Access,
     taps::Taps,
 };
-use crate::cache::{Run, RunObserver};
+use crate::cache::{Run, RunHits, RunObserver};
 
-/// The taps of a batch on their way, and the one at hand. Flat, and by value, where it is used for every access.
+/// The taps of a batch on their way, and the one at hand.
 pub(super) struct Passing<'a, T, O> {
     pub(super) taps: &'a T,
     /// Places of the fragment FIFO.
@@ -29,7 +30,13 @@ pub(super) struct Passing<'a, T, O> {
     pub(super) tag_bank: BankOf,
     pub(super) all_apart: bool,
     pub(super) tag_latency: u64,
+    pub(super) now: Now,
+    pub(super) rest: Rest<'a, O>,
+}
 
+/// What the tag and the data unit are at.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Now {
     /// First clocks the units are free in.
     pub(super) tag_free: u64,
     pub(super) data_free: u64,
@@ -46,7 +53,27 @@ pub(super) struct Passing<'a, T, O> {
 
     pub(super) waited: u64,
     pub(super) conflicts: u64,
-    pub(super) rest: Rest<'a, O>,
+}
+
+/// What taps need that hit and wait for nothing: laid open and by value, for as long as there are such.
+pub(super) struct Hits<'h, T> {
+    taps: &'h T,
+    places: &'h mut [u64],
+    depth: usize,
+    tags: &'h mut [u64],
+    data_done: &'h mut [u64],
+    planes: &'h mut [PlaneTiming],
+    status: StatusHits<'h>,
+    tag_bank: BankOf,
+    /// Whether all taps read in one clock each, and nobody watches.
+    plain: bool,
+    waiting: &'h mut Waiting,
+    counts: &'h mut Counts,
+    line_write: u64,
+    tag_latency: u64,
+    now: Now,
+    /// Where that comes back to.
+    back: &'h mut Now,
 }
 
 /// What is not used for every access.
@@ -65,140 +92,221 @@ pub(super) struct Rest<'a, O> {
     pub(super) observer: core::marker::PhantomData<O>,
 }
 
-impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
+/// A tap of so many lines missed is at the door of the data unit, and waits until they are there. They are written, and the answer is when it
+/// is taken. Not a method: what is in registers must not be written for it.
+#[inline(never)]
+fn wait_and_write(waiting: &mut Waiting, counts: &mut Counts, [door, filled, writes]: [u64; 3], missed: usize) -> u64 {
+    let data = door.max(filled);
+    counts.data_stall_fill += data - door;
+    counts.fill_write_clocks += writes;
+    waiting.read(missed, data);
+    data
+}
+
+impl<T: Taps> Hits<'_, T> {
     /// The next tap, which is this, enters the tag unit.
     #[inline(always)]
-    pub(super) fn enter(&mut self, tap: usize) {
-        let tag = self.tag_free.max(self.places[tap]);
-        self.waited += tag - self.tag_free;
+    fn enter(&mut self, tap: usize) {
+        let now = &mut self.now;
+        let tag = now.tag_free.max(self.places[tap]);
+        now.waited += tag - now.tag_free;
         self.tags[tap] = tag;
-        (self.tap, self.plane, self.done) = (tap, usize::from(self.taps.plane(tap)), tag);
-        self.banks_taken = 0;
-        self.hits = 0;
+        (now.tap, now.plane, now.done) = (tap, usize::from(self.taps.plane(tap)), tag);
+        (now.banks_taken, now.hits) = (0, 0);
     }
 
-    /// It leaves it, and passes the data unit.
+    /// The tap at hand passes on to the data unit: when that takes it, and when its reads begin.
     #[inline(always)]
-    fn leave(&mut self) {
-        let row = &mut self.planes[self.plane];
-        row.taps += 1;
-        row.reads += self.taps.reads(self.tap);
-        row.fetches_ok += self.hits & 0xFFFF_FFFF;
-        row.fetches_merged += self.hits >> 32;
-        let mut data = self.data_free.max(self.done + self.tag_latency);
-        let mut data_done = data;
-        if self.missed > 0 {
-            (data, data_done) = self.fill(data);
+    fn to_data(&mut self) -> (u64, u64) {
+        let now = &mut self.now;
+        let door = now.data_free.max(now.done + self.tag_latency);
+        if now.missed == 0 {
+            return (door, door);
         }
+        let writes = now.missed as u64 * self.line_write;
+        let data = wait_and_write(self.waiting, self.counts, [door, now.filled, writes], now.missed);
+        self.planes[now.plane].stall_wait_read += data - door;
+        now.missed = 0;
+        (data, data + writes)
+    }
+
+    /// The data unit takes the tap at hand, and is done with it.
+    #[inline(always)]
+    fn leave(&mut self, data: u64, data_done: u64) {
+        let now = &mut self.now;
+        let row = &mut self.planes[now.plane];
+        row.taps += 1;
+        row.reads += self.taps.reads(now.tap);
+        row.fetches_ok += now.hits & 0xFFFF_FFFF;
+        row.fetches_merged += now.hits >> 32;
+        self.data_done[now.tap] = data_done;
+        self.places[now.tap + self.depth] = data + 1;
+        (now.tag_free, now.data_free) = (now.done + 1, data_done + 1);
+    }
+
+    /// A hit of the tap at hand that waits for nothing; false of one that does.
+    #[inline(always)]
+    fn access(&mut self, line: u64, slot: u32) -> bool {
+        let now = &mut self.now;
+        let bank = self.tag_bank.bank(line);
+        let conflict = now.banks_taken >> bank & 1;
+        let clock = now.done + conflict;
+        let Some(merged) = self.status.hit(slot, clock) else { return false };
+        now.conflicts += conflict;
+        now.hits += 1 + (u64::from(merged) << 32);
+        now.banks_taken = now.banks_taken & conflict.wrapping_sub(1) | 1 << bank;
+        now.done = clock;
+        true
+    }
+}
+
+impl<T: Taps> RunHits for Hits<'_, T> {
+    #[inline(always)]
+    fn takes(&self, _: u32) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn hit(&mut self, run: &Run, slot: u32) -> bool {
+        let tap = run.tap();
+        if self.now.tap != tap {
+            if self.now.tap + 1 != tap || !self.plain {
+                return false;
+            }
+            let (data, done) = self.to_data();
+            self.leave(data, done);
+            self.enter(tap);
+        }
+        !run.is_alone() && self.access(run.line, slot)
+    }
+
+    #[inline(always)]
+    fn close(self) {
+        *self.back = self.now;
+    }
+}
+
+impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
+    /// Lays open what hits need.
+    #[inline(always)]
+    fn open(&mut self) -> Hits<'_, T> {
+        Hits {
+            taps: self.taps,
+            places: self.places,
+            depth: self.depth,
+            tags: self.tags,
+            data_done: self.data_done,
+            planes: self.planes,
+            status: self.misses.status.hits(),
+            tag_bank: self.tag_bank,
+            plain: self.all_apart && !O::WATCHES,
+            waiting: &mut self.misses.waiting,
+            counts: self.rest.counts,
+            line_write: self.rest.line_write,
+            tag_latency: self.tag_latency,
+            now: self.now,
+            back: &mut self.now,
+        }
+    }
+
+    /// The next tap, which is this, enters the tag unit.
+    pub(super) fn enter(&mut self, tap: usize) {
+        let mut hits = self.open();
+        hits.enter(tap);
+        hits.close();
+    }
+
+    /// The tap at hand leaves it, and passes the data unit.
+    fn leave(&mut self) {
+        let mut hits = self.open();
+        let (data, mut data_done) = hits.to_data();
+        hits.close();
         if !self.all_apart {
             data_done = self.read(data_done);
         }
         if O::WATCHES {
-            self.rest.watched.tag_done.push(self.done);
+            self.rest.watched.tag_done.push(self.now.done);
             self.rest.watched.data.push(data);
         }
-        self.data_done[self.tap] = data_done;
-        self.places[self.tap + self.depth] = data + 1;
-        (self.tag_free, self.data_free) = (self.done + 1, data_done + 1);
+        let mut hits = self.open();
+        hits.leave(data, data_done);
+        hits.close();
     }
 
     /// What follows is of this tap.
-    #[inline(always)]
+    #[inline(never)]
     fn go_to(&mut self, tap: usize) {
-        if self.tap != tap {
+        while self.now.tap != tap {
             self.leave();
-            self.enter(self.tap + 1);
-            while self.tap != tap {
-                self.skip();
-            }
+            self.enter(self.now.tap + 1);
         }
     }
 
-    /// Past a tap without an access, of which there are few.
     #[inline(never)]
-    fn skip(&mut self) {
-        self.leave();
-        self.enter(self.tap + 1);
-    }
-
-    #[inline(always)]
     fn hits(&mut self, line: u64, slot: u32) {
-        let bank = self.tag_bank.bank(line);
-        let conflict = self.banks_taken >> bank & 1;
-        self.conflicts += conflict;
-        let clock = self.done + conflict;
-        let (made, merged) = self.misses.status.hit(slot, clock);
-        self.hits += 1 + (u64::from(merged) << 32);
-        if made > clock {
-            self.waits_to_merge(bank, made);
-        } else {
-            self.banks_taken = self.banks_taken & conflict.wrapping_sub(1) | 1 << bank;
-            self.done = clock;
+        let mut hits = self.open();
+        let made = hits.access(line, slot);
+        hits.close();
+        if !made {
+            self.waits_to_merge(line, slot);
         }
     }
 
     /// The first clock of the tag unit without an entry: another bank may be accessed in the clock of the access before.
     fn next(&self) -> u64 {
-        self.done + u64::from(self.banks_taken != 0)
+        self.now.done + u64::from(self.now.banks_taken != 0)
     }
 
-    /// A hit that is made no earlier than in this clock, when the line is there.
-    #[inline(never)]
-    fn waits_to_merge(&mut self, bank: usize, made: u64) {
+    /// The bank of a line, and the first clock from that of the access before on in which it can be accessed, in which it is counted.
+    fn clock(&mut self, line: u64) -> (usize, u64) {
+        let bank = self.tag_bank.bank(line);
+        let conflict = self.now.banks_taken >> bank & 1;
+        self.now.conflicts += conflict;
+        (bank, self.now.done + conflict)
+    }
+
+    /// A hit that is made when the line is there.
+    fn waits_to_merge(&mut self, line: u64, slot: u32) {
+        let (bank, clock) = self.clock(line);
+        let (made, _) = self.misses.status.hit(slot, clock);
+        self.now.hits += 1;
         self.rest.counts.tag_stall_merge += made - self.next();
-        (self.banks_taken, self.done) = (1 << bank, made);
+        (self.now.banks_taken, self.now.done) = (1 << bank, made);
     }
 
     #[inline(never)]
     fn misses(&mut self, line: u64, slot: u32) {
-        let bank = self.tag_bank.bank(line);
-        let conflict = self.banks_taken >> bank & 1;
-        self.conflicts += conflict;
-        let (clock, next) = (self.done + conflict, self.next());
-        let miss = self.misses.miss(line, slot, clock, self.missed, next, &mut self.planes[self.plane]);
-        self.filled = if self.missed == 0 { miss.fetch.filled } else { self.filled.max(miss.fetch.filled) };
-        self.missed += 1;
+        let (bank, clock) = self.clock(line);
+        let (next, now) = (self.next(), &mut self.now);
+        let miss = self.misses.miss(line, slot, clock, now.missed, next, &mut self.planes[now.plane]);
+        now.filled = if now.missed == 0 { miss.fetch.filled } else { now.filled.max(miss.fetch.filled) };
+        now.missed += 1;
         if O::WATCHES {
-            let (tap, address) = (self.rest.counts.taps + self.tap as u64, line << self.rest.line_shift);
-            let fill = FillTimes { tap, plane: self.plane as u16, address, access: miss.clock, fetch: miss.fetch };
+            let (tap, address) = (self.rest.counts.taps + now.tap as u64, line << self.rest.line_shift);
+            let fill = FillTimes { tap, plane: now.plane as u16, address, access: miss.clock, fetch: miss.fetch };
             self.rest.watched.fills.push((fill, self.misses.stored().into()));
         }
-        self.banks_taken = if miss.clock == self.done { self.banks_taken } else { 0 } | 1 << bank;
-        self.done = miss.clock;
-    }
-
-    /// The data unit, for a tap with misses that is at its door in clock `door`: when it takes it, and when its reads begin.
-    #[inline(never)]
-    fn fill(&mut self, door: u64) -> (u64, u64) {
-        let data = door.max(self.filled);
-        self.rest.counts.data_stall_fill += data - door;
-        self.planes[self.plane].stall_wait_read += data - door;
-        self.misses.read(self.missed, data);
-        let writes = self.missed as u64 * self.rest.line_write;
-        self.rest.counts.fill_write_clocks += writes;
-        self.missed = 0;
-        (data, data + writes)
+        now.banks_taken = if miss.clock == now.done { now.banks_taken } else { 0 } | 1 << bank;
+        now.done = miss.clock;
     }
 
     /// The clock of the last word of a tap whose reads begin at `begin`.
-    #[inline(never)]
     fn read(&mut self, begin: u64) -> u64 {
-        let (done, words) = self.rest.data_banks.read(self.taps.addresses(self.tap), begin);
+        let (done, words) = self.rest.data_banks.read(self.taps.addresses(self.now.tap), begin);
         self.rest.counts.data_words += words;
         self.rest.counts.data_conflict_clocks += done - begin;
         done
     }
 
     /// Whether the tap at hand, whose texels are told one by one, has accessed a line before this access.
-    #[inline(always)]
     fn has_accessed(&mut self, line: u64) -> bool {
         let Rest { alone: (tap, count), lines, .. } = &mut self.rest;
-        let before = if *tap == self.tap { *count } else { 0 };
+        let before = if *tap == self.now.tap { *count } else { 0 };
         let has = lines.iter().take(before).fold(false, |has, &before| has | (before == line));
         if let Some(place) = lines.get_mut(before) {
             *place = line;
         }
-        (*tap, *count) = (self.tap, before + 1);
+        (*tap, *count) = (self.now.tap, before + 1);
         has
     }
 
@@ -221,17 +329,27 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         self.go_to(number - 1);
         self.leave();
         let Rest { counts, free: [tag_free, data_free], .. } = self.rest;
-        counts.tag_stall_fragment_fifo += self.waited;
-        counts.tag_bank_conflicts += self.conflicts;
+        counts.tag_stall_fragment_fifo += self.now.waited;
+        counts.tag_bank_conflicts += self.now.conflicts;
         if self.all_apart {
             counts.data_words += (0..number).map(|tap| self.taps.reads(tap)).sum::<u64>();
         }
-        (*tag_free, *data_free) = (self.tag_free, self.data_free);
+        (*tag_free, *data_free) = (self.now.tag_free, self.now.data_free);
     }
 }
 
 /// The texels of a run after the first hit the line the first accessed.
 impl<T: Taps, O: TimingObserver> RunObserver for Passing<'_, T, O> {
+    type Hits<'h>
+        = Hits<'h, T>
+    where
+        Self: 'h;
+
+    #[inline(always)]
+    fn hits(&mut self) -> Hits<'_, T> {
+        self.open()
+    }
+
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
         self.go_to(run.tap());

@@ -202,7 +202,7 @@ impl Pipeline {
                     if writes > 0 && data == pipe.data.last() {
                         data += 1;
                     }
-                    misses.read(missed, data);
+                    misses.waiting.read(missed, data);
                 }
                 let (data_done, words) = pipe.data_banks.read(addresses, data + writes);
                 pipe.counts.data_words += words;

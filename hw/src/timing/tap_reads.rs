@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use crate::cache::{Observer, Outcome, Run, RunObserver};
+use crate::cache::{Observer, Outcome, Run, RunHits, RunObserver};
 
 /// Most reads of a tap: four texels, three channels apart.
 pub(super) const READS_MAX: usize = 12;
@@ -58,6 +58,13 @@ impl TapReads {
 
 /// The texels of a run after the first hit the line the first accessed.
 impl RunObserver for TapReads {
+    type Hits<'h> = &'h mut Self;
+
+    #[inline(always)]
+    fn hits(&mut self) -> &mut Self {
+        self
+    }
+
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
         if run.is_alone() {
@@ -71,6 +78,22 @@ impl RunObserver for TapReads {
     fn miss(&mut self, run: &Run, slot: u32, _: Option<u64>) {
         self.miss_in(run.tap() as u32, run.line, slot);
     }
+}
+
+impl RunHits for &mut TapReads {
+    #[inline(always)]
+    fn takes(&self, _: u32) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn hit(&mut self, run: &Run, slot: u32) -> bool {
+        RunObserver::hit(*self, run, slot);
+        true
+    }
+
+    #[inline(always)]
+    fn close(self) {}
 }
 
 impl Observer for TapReads {
