@@ -9,7 +9,7 @@ use super::{Cache, Engine, Geometry, Outcome, PlaneCounters, Policy};
 use crate::{
     address::{Footprint, is_outside},
     batch::Batch,
-    lanes::{EightRuns, RunLanes, RunShape},
+    lanes::{LANES, PLACES, RunLanes, RunShape},
 };
 
 /// Texels of a tap that lie in one line. The first decides; the others hit.
@@ -20,22 +20,22 @@ pub(crate) struct Run {
     pub(crate) line: u64,
     /// Which texels of it, a bit each, where a line has at most [`MARKED`](Self::MARKED); else the number of the one texel.
     pub(super) texels: u32,
-    /// Number of the tap in its batch, and the bit [`ALONE`](Self::ALONE).
+    /// Number of the tap in its batch, and the bit [`REPEATED`](Self::REPEATED).
     tap: u32,
 }
 
 impl Run {
     /// Texels of a line that can be told by a bit each.
     pub(super) const MARKED: u64 = 32;
-    /// It is a texel on its own: only then can another run of the tap be of the same line.
-    const ALONE: u32 = 1 << 31;
+    /// Another run of the tap may be of the same line.
+    const REPEATED: u32 = 1 << 31;
 
     pub(crate) const fn tap(&self) -> usize {
-        (self.tap & !Self::ALONE) as usize
+        (self.tap & !Self::REPEATED) as usize
     }
 
-    pub(crate) const fn is_alone(&self) -> bool {
-        self.tap & Self::ALONE != 0
+    pub(crate) const fn is_repeated(&self) -> bool {
+        self.tap & Self::REPEATED != 0
     }
 }
 
@@ -186,54 +186,44 @@ impl Splitter {
 
     /// The runs of a batch, and the number of texels read; `planes` counts those of each plane.
     pub(super) fn split(&mut self, batch: Batch<'_>, planes: &mut [PlaneCounters]) -> (&[Run], u64) {
-        // One place more than there can be runs, for a tap writes two whether it has them or not.
-        let most = 4 * batch.taps.len() + 1;
+        // As many as there can be, and what eight taps may write to.
+        let most = 4 * batch.taps.len() + PLACES;
         if self.runs.len() < most {
             self.runs.resize(most, Run::default());
         }
         let mut runs = core::mem::take(&mut self.runs);
         let whole = batch.texels_per_tap == 4 && self.marked;
-        let (mut count, mut outside) = (0, 0);
-        let mut add = |number: usize, tap: &Footprint, pair: Option<(&[Run; 2], usize)>| {
-            let read = if let Some((pair, runs_of_tap)) = pair {
-                if let Some(places) = runs[count..].first_chunk_mut() {
-                    *places = *pair;
-                }
-                count += runs_of_tap;
-                4
-            } else {
-                let singles = self.one_by_one(number, &tap.address[..batch.texels_per_tap], &mut runs[count..]);
-                count += singles;
-                outside += batch.texels_per_tap - singles;
-                singles
-            };
-            planes[usize::from(tap.plane)].lookups += read as u64;
-        };
         let (eights, _) = batch.taps.as_chunks();
-        let (mut number, mut found) = (0, EightRuns::default());
-        if let Some((lanes, shape)) = self.lanes.filter(|_| whole) {
-            for taps in eights {
-                if !lanes.find(taps, number as u32, shape, &mut found) {
-                    break;
-                }
-                let mut pairs = found.pairs;
-                if found.others == 0 {
-                    for (pair, tap) in found.runs.iter().zip(taps) {
-                        add(0, tap, Some((pair, 1 + (pairs & 1) as usize)));
-                        pairs >>= 1;
-                    }
-                } else {
-                    for (lane, (pair, tap)) in found.runs.iter().zip(taps).enumerate() {
-                        let pair = (pair, 1 + (pairs >> lane & 1) as usize);
-                        add(number + lane, tap, (found.others >> lane & 1 == 0).then_some(pair));
-                    }
-                }
-                number += taps.len();
+        let (mut number, mut count, mut outside) = (0, 0, 0);
+        while number < batch.taps.len() {
+            let mut next = number;
+            if let Some((lanes, shape)) = self.lanes.filter(|_| whole) {
+                // Mostly all of them.
+                let (found, written) = lanes.write(
+                    &eights[(number / LANES).min(eights.len())..],
+                    number as u32,
+                    shape,
+                    &mut runs[count..],
+                );
+                next += found * LANES;
+                count += written;
+                count_reads(&batch.taps[number..next], 4, planes);
             }
-        }
-        for (number, tap) in batch.taps.iter().enumerate().skip(number) {
-            let pair = if whole { self.pair(number, tap) } else { None };
-            add(number, tap, pair.as_ref().map(|(pair, count)| (pair, *count)));
+            // What lanes leave, eight at most.
+            number = batch.taps.len().min(next + LANES);
+            for (tap, number) in batch.taps[next..number].iter().zip(next..) {
+                let read = if let Some((pair, runs_of_tap)) = if whole { self.pair(number, tap) } else { None } {
+                    runs[count..count + 2].copy_from_slice(&pair);
+                    count += runs_of_tap;
+                    4
+                } else {
+                    let singles = self.one_by_one(number, &tap.address[..batch.texels_per_tap], &mut runs[count..]);
+                    count += singles;
+                    outside += batch.texels_per_tap - singles;
+                    singles
+                };
+                planes[usize::from(tap.plane)].lookups += read as u64;
+            }
         }
         let lookups = batch.taps.len() * batch.texels_per_tap - outside;
         self.runs = runs;
@@ -265,14 +255,36 @@ impl Splitter {
     #[inline(never)]
     fn one_by_one(&self, number: usize, addresses: &[u64], runs: &mut [Run]) -> usize {
         let mut count = 0;
-        for (&address, run) in addresses.iter().filter(|&&address| !is_outside(address)).zip(runs) {
+        for (&address, run) in addresses.iter().filter(|&&address| !is_outside(address)).zip(&mut *runs) {
             let texel = (address >> self.texel_shift & self.texel_mask) as u32;
             let texels = if self.marked { 1 << texel } else { texel };
-            *run = Run { line: address >> self.line_shift, texels, tap: number as u32 | Run::ALONE };
+            *run = Run { line: address >> self.line_shift, texels, tap: number as u32 };
             count += 1;
+        }
+        let runs = &mut runs[..count];
+        if (1..count).any(|number| runs[..number].iter().any(|before| before.line == runs[number].line)) {
+            runs.iter_mut().for_each(|run| run.tap |= Run::REPEATED);
         }
         count
     }
+}
+
+/// Counts the reads of taps, so many each, by plane. Mostly two taps have the same planes as the two before.
+fn count_reads(taps: &[Footprint], each: u64, planes: &mut [PlaneCounters]) {
+    let (pairs, rest) = taps.as_chunks();
+    let (mut last, mut times) = ([0; 2], 0);
+    let mut add =
+        |of: [u16; 2], times: u64| of.iter().for_each(|&plane| planes[usize::from(plane)].lookups += each * times);
+    for [first, second] in pairs {
+        let now = [first.plane, second.plane];
+        if now != last {
+            add(last, times);
+            (last, times) = (now, 0);
+        }
+        times += 1;
+    }
+    add(last, times);
+    rest.iter().for_each(|tap| planes[usize::from(tap.plane)].lookups += each);
 }
 
 impl Cache {

@@ -2,9 +2,10 @@
 
 use core::marker::PhantomData;
 
-use super::{EightRuns, Kept, RunShape};
+use super::{Kept, RunShape};
 use crate::{
     address::Footprint,
+    cache::Run,
     datapath::Texel,
     request::{Request, Response},
     sampler::Sampler,
@@ -53,12 +54,14 @@ impl<'m> Lanes<'m> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RunLanes(core::convert::Infallible);
 
+pub(crate) const PLACES: usize = 0;
+
 impl RunLanes {
     pub(crate) fn detect() -> Option<Self> {
         None
     }
 
-    pub(crate) fn find(self, _: &[Footprint; 8], _: u32, _: RunShape, _: &mut EightRuns) -> bool {
+    pub(crate) fn write(self, _: &[[Footprint; 8]], _: u32, _: RunShape, _: &mut [Run]) -> (usize, usize) {
         match self.0 {}
     }
 }

@@ -3,7 +3,7 @@
 //! The scalar units say what is right; these say the same faster, and a test compares every filter, address mode and layout bit for bit.
 //! Whatever is not the common case stays with them, as does the end of a run that fills no eight lanes.
 
-mod eight_runs;
+mod run_shape;
 
 #[cfg(target_arch = "x86_64")]
 mod address;
@@ -35,8 +35,8 @@ use elsewhere::{self as banks, self as changes, self as runs, self as unit};
 
 pub(crate) use banks::BankLanes;
 pub(crate) use changes::ChangeLanes;
-pub(crate) use eight_runs::{EightRuns, RunShape};
-pub(crate) use runs::RunLanes;
+pub(crate) use run_shape::RunShape;
+pub(crate) use runs::{PLACES, RunLanes};
 pub(crate) use unit::Lanes;
 
 /// Requests, or taps, at a time.

@@ -160,7 +160,7 @@ impl Ample {
                 line_write: beside.line_write,
                 line_shift: beside.line_shift,
                 watched,
-                alone: (usize::MAX, 0),
+                repeated: (usize::MAX, 0),
                 lines: [0; 4],
                 free: [&mut self.tag, &mut self.data],
                 observer: core::marker::PhantomData,

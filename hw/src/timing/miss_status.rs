@@ -25,13 +25,14 @@ impl StatusHits<'_> {
     #[inline(always)]
     pub(super) fn hit(&mut self, slot: u32, clock: u64) -> Option<bool> {
         let slot = &mut self.slots[slot as usize];
-        // If this hit is before the line is there, so were all before it, and they were merged.
-        let before = clock < slot.filled;
-        if before && slot.hits >= self.merges {
+        if clock >= slot.filled {
+            return Some(false);
+        }
+        if slot.merged >= self.merges {
             return None;
         }
-        slot.hits = slot.hits.wrapping_add(1);
-        Some(before)
+        slot.merged += 1;
+        Some(true)
     }
 }
 
@@ -39,8 +40,8 @@ impl StatusHits<'_> {
 struct Slot {
     /// Clock from which the slot's line can be read.
     filled: u64,
-    /// Hits since it was asked for.
-    hits: u32,
+    /// Hits before that.
+    merged: u32,
 }
 
 impl MissStatus {
@@ -55,11 +56,7 @@ impl MissStatus {
     pub(super) fn hit(&mut self, slot: u32, clock: u64) -> (u64, bool) {
         match self.hits().hit(slot, clock) {
             Some(merged) => (clock, merged),
-            None => {
-                let slot = &mut self.slots[slot as usize];
-                slot.hits = slot.hits.wrapping_add(1);
-                (slot.filled, false)
-            }
+            None => (self.slots[slot as usize].filled, false),
         }
     }
 
@@ -71,7 +68,7 @@ impl MissStatus {
 
     /// A slot gets a new line.
     pub(super) fn fill(&mut self, slot: u32, filled: u64) {
-        self.slots[slot as usize] = Slot { filled, hits: 0 };
+        self.slots[slot as usize] = Slot { filled, merged: 0 };
     }
 
     /// The first clock from `clock` on with a free entry.

@@ -84,8 +84,8 @@ pub(super) struct Rest<'a, O> {
     pub(super) line_shift: u32,
     /// For an observer.
     pub(super) watched: &'a mut Watched,
-    /// A tap whose texels are told one by one, and how many lines it has accessed, these.
-    pub(super) alone: (usize, usize),
+    /// A tap that may access a line more than once, and how many it has accessed, these.
+    pub(super) repeated: (usize, usize),
     pub(super) lines: [u64; 4],
     /// Where the first clocks the units are free in come back to.
     pub(super) free: [&'a mut u64; 2],
@@ -177,7 +177,7 @@ impl<T: Taps> RunHits for Hits<'_, T> {
             self.leave(data, done);
             self.enter(tap);
         }
-        !run.is_alone() && self.access(run.line, slot)
+        !run.is_repeated() && self.access(run.line, slot)
     }
 
     #[inline(always)]
@@ -298,9 +298,9 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         done
     }
 
-    /// Whether the tap at hand, whose texels are told one by one, has accessed a line before this access.
+    /// Whether the tap at hand has accessed a line before this access.
     fn has_accessed(&mut self, line: u64) -> bool {
-        let Rest { alone: (tap, count), lines, .. } = &mut self.rest;
+        let Rest { repeated: (tap, count), lines, .. } = &mut self.rest;
         let before = if *tap == self.now.tap { *count } else { 0 };
         let has = lines.iter().take(before).fold(false, |has, &before| has | (before == line));
         if let Some(place) = lines.get_mut(before) {
@@ -353,7 +353,7 @@ impl<T: Taps, O: TimingObserver> RunObserver for Passing<'_, T, O> {
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
         self.go_to(run.tap());
-        if run.is_alone() && self.has_accessed(run.line) {
+        if run.is_repeated() && self.has_accessed(run.line) {
             return;
         }
         self.hits(run.line, slot);
@@ -362,7 +362,7 @@ impl<T: Taps, O: TimingObserver> RunObserver for Passing<'_, T, O> {
     #[inline(always)]
     fn miss(&mut self, run: &Run, slot: u32, _: Option<u64>) {
         self.go_to(run.tap());
-        if run.is_alone() {
+        if run.is_repeated() {
             self.has_accessed(run.line);
         }
         self.misses(run.line, slot);

@@ -67,7 +67,7 @@ impl RunObserver for TapReads {
 
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) {
-        if run.is_alone() {
+        if run.is_repeated() {
             self.hit_in(run.tap() as u32, run.line, slot);
         } else {
             self.accesses.push(Access { line: run.line, slot, tap: run.tap() as u32, hit: true });

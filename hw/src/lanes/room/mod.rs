@@ -12,9 +12,9 @@ use alloc::vec::Vec;
 use super::{
     Kept, LANES, banks,
     changes::{self, EIGHT},
-    eight_runs::{EightRuns, RunShape},
     footprints,
     kernel::Kernel,
+    run_shape::RunShape,
     runs,
 };
 use crate::{
@@ -77,17 +77,17 @@ impl Avx2 {
         unsafe { footprints::filter(self, texels, taps, ends, weight_bits, answer) }
     }
 
-    /// [`runs::find`] in code compiled for AVX2.
+    /// [`runs::write`] in code compiled for AVX2.
     #[inline(always)]
-    pub(super) fn find_runs(
+    pub(super) fn write_runs(
         self,
-        taps: &[Footprint; LANES],
+        taps: &[[Footprint; LANES]],
         first: u32,
         shape: RunShape,
-        runs: &mut EightRuns,
-    ) -> bool {
+        runs: &mut [Run],
+    ) -> (usize, usize) {
         // SAFETY: as above.
-        unsafe { runs::find(self, taps, first, shape, runs) }
+        unsafe { runs::write(self, taps, first, shape, runs) }
     }
 
     /// [`changes::keep_fours`] in code compiled for AVX2.
@@ -236,12 +236,16 @@ impl Avx2 {
         unsafe { _mm256_storeu_si256(words.as_mut_ptr().cast(), register) }
     }
 
-    /// Fills two runs, the halves of a register: the line in two words, the texels, the tap.
+    /// Fills four runs, the halves of registers: the line in two words, the texels, the tap.
     #[inline(always)]
-    pub(super) fn store_runs(self, runs: &mut [Run; 2], register: __m256i) {
-        // SAFETY: `self` proves the instruction. Two runs are the 32 bytes of this store, which needs no alignment, and any bits are a run:
+    pub(super) fn store_runs(self, runs: &mut [Run; 4], [low, high]: [__m256i; 2]) {
+        let to: *mut __m256i = runs.as_mut_ptr().cast();
+        // SAFETY: `self` proves the instructions. Four runs are the 64 bytes of these stores, which need no alignment, and any bits are a run:
         // `repr(C)`, integers only.
-        unsafe { _mm256_storeu_si256(core::ptr::from_mut(runs).cast(), register) }
+        unsafe {
+            _mm256_storeu_si256(to, low);
+            _mm256_storeu_si256(to.add(1), high);
+        }
     }
 
     /// Four words as words of 64 bits.
