@@ -18,6 +18,7 @@ mod parameters;
 mod passing;
 mod pipeline;
 mod queue;
+mod slots;
 mod tap_reads;
 mod taps;
 
@@ -39,6 +40,7 @@ use crate::{
 use ample::Ample;
 use misses::Misses;
 use pipeline::{Beside, Pipeline};
+use slots::Slots;
 use tap_reads::TapReads;
 use taps::{Gathered, InPlace, Taps};
 
@@ -92,6 +94,7 @@ pub struct Timing<O = ()> {
 
     /// What the cache made of the taps at hand.
     reads: TapReads,
+    slots: Slots,
     /// Their addresses, where they are not those of footprints.
     gathered: Gathered,
     bank_lanes: Option<BankLanes>,
@@ -136,6 +139,7 @@ impl<O: TimingObserver> Timing<O> {
             planes: Vec::new(),
             histograms: Histograms::default(),
             reads: TapReads::default(),
+            slots: Slots::default(),
             gathered: Gathered::default(),
             bank_lanes: BankLanes::new(p.data_bank_bytes.trailing_zeros(), p.data_banks)
                 .filter(|_| p.data_hash == BankHash::Low && Ample::fits(&p)),
@@ -184,23 +188,23 @@ impl<O: TimingObserver> Timing<O> {
 
     /// Looks up taps run by run, and times them.
     fn look_up_in_runs_and_time(&mut self, batch: Batch<'_>, taps: &InPlace<'_>) {
+        let mut slots = core::mem::take(&mut self.slots);
         let (pipe, cache, reads, ends, mut beside) = self.parts();
-        if ends.is_empty() {
-            return;
-        }
         match pipe {
+            _ if ends.is_empty() => {}
             Pipe::Any(pipe) => {
                 reads.clear(batch.taps.len());
                 cache.take_observed(batch, reads);
                 pipe.time(ends, taps, reads, beside);
             }
             Pipe::Ample(pipe) => {
-                let mut passing = pipe.begin(taps, &mut beside);
-                cache.take_observed(batch, &mut passing);
-                passing.finish();
+                slots.clear(batch.taps.len());
+                let runs = cache.take_observed(batch, &mut slots);
+                pipe.begin(taps, &mut beside).pass_runs(runs, slots.slots());
                 pipe.end(ends, taps, beside);
             }
         }
+        self.slots = slots;
     }
 
     /// What taps pass, the cache, what is known of their reads, where their requests end, and all beside.

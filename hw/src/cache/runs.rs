@@ -34,6 +34,12 @@ impl Run {
         (self.tap & !Self::REPEATED) as usize
     }
 
+    /// Whether it is of this tap, in which no line is repeated.
+    #[inline(always)]
+    pub(crate) const fn is_plainly_of(&self, tap: usize) -> bool {
+        self.tap as usize == tap
+    }
+
     pub(crate) const fn is_repeated(&self) -> bool {
         self.tap & Self::REPEATED != 0
     }
@@ -56,8 +62,6 @@ pub(crate) trait RunObserver {
 
 /// Hits one after the other. What is needed for them is laid open for as long, so that a host can have it in registers.
 pub(crate) trait RunHits {
-    /// Whether it takes a hit in this slot, as far as that can be said beforehand.
-    fn takes(&self, slot: u32) -> bool;
     /// A run was read, and its line was there; false if the observer must be told instead.
     fn hit(&mut self, run: &Run, slot: u32) -> bool;
     /// The stretch ends.
@@ -77,10 +81,6 @@ impl RunObserver for () {
 
 impl RunHits for () {
     #[inline(always)]
-    fn takes(&self, _: u32) -> bool {
-        true
-    }
-    #[inline(always)]
     fn hit(&mut self, _: &Run, _: u32) -> bool {
         true
     }
@@ -88,15 +88,11 @@ impl RunHits for () {
     fn close(self) {}
 }
 
-/// The first of them says beforehand for certain.
+/// Only the first of them may leave a hit to be told otherwise.
 impl<A: RunHits, B: RunHits> RunHits for (A, B) {
     #[inline(always)]
-    fn takes(&self, slot: u32) -> bool {
-        self.0.takes(slot) && self.1.takes(slot)
-    }
-    #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) -> bool {
-        self.0.takes(slot) && self.1.hit(run, slot) && self.0.hit(run, slot)
+        self.0.hit(run, slot) && self.1.hit(run, slot)
     }
     #[inline(always)]
     fn close(self) {

@@ -49,12 +49,6 @@ pub(super) struct Hits<'a> {
 }
 
 impl Hits<'_> {
-    /// Whether a hit in this slot is taken.
-    #[inline(always)]
-    pub(super) fn takes(&self, slot: usize) -> bool {
-        self.next < self.log.len() && (self.slots[slot] as usize) < self.last.len()
-    }
-
     /// The real cache hit in this slot; false if this is to be told to [`Shadow::hit`].
     #[inline(always)]
     pub(super) fn hit(&mut self, slot: usize) -> bool {

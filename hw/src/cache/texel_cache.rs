@@ -215,9 +215,9 @@ impl TexelCache {
 }
 
 impl TexelCache {
-    /// Reads the taps of a batch, of a layout that keeps a texel together, with someone watching.
+    /// Reads the taps of a batch, of a layout that keeps a texel together, with someone watching. The answer is the runs it read.
     #[inline]
-    pub(crate) fn take_observed(&mut self, batch: Batch<'_>, observer: &mut impl RunObserver) {
+    pub(crate) fn take_observed(&mut self, batch: Batch<'_>, observer: &mut impl RunObserver) -> &[Run] {
         let planes = batch.surface.planes.len();
         if self.planes.len() < planes {
             self.planes.resize(planes, PlaneCounters::default());
@@ -235,6 +235,7 @@ impl TexelCache {
                 self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
         }
+        runs
     }
 }
 
@@ -266,11 +267,6 @@ struct FullHits<'h> {
 }
 
 impl RunHits for FullHits<'_> {
-    #[inline(always)]
-    fn takes(&self, slot: u32) -> bool {
-        self.shadow.takes(slot as usize)
-    }
-
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) -> bool {
         self.marks.hit(run.texels, slot);
@@ -324,11 +320,6 @@ struct SomeHits<'h> {
 }
 
 impl RunHits for SomeHits<'_> {
-    #[inline(always)]
-    fn takes(&self, slot: u32) -> bool {
-        self.shadow.as_ref().is_none_or(|shadow| shadow.takes(slot as usize))
-    }
-
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) -> bool {
         if let Some(marks) = &mut self.marks {

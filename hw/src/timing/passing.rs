@@ -1,7 +1,7 @@
-//! Taps on their way through the tag and the data unit of a machine of [`Ample`](super::ample::Ample)'s kind, while the cache is asked: what it
-//! finds goes no further than to the next addition.
+//! Taps on their way through the tag and the data unit of a machine of [`Ample`](super::ample::Ample)'s kind.
 
 use alloc::vec::Vec;
+use core::cell::Cell;
 
 use super::{
     banks::BankOf,
@@ -11,10 +11,11 @@ use super::{
     miss_status::StatusHits,
     misses::{Misses, Waiting},
     pipeline::Counts,
+    slots::Slots,
     tap_reads::Access,
     taps::Taps,
 };
-use crate::cache::{Run, RunHits, RunObserver};
+use crate::cache::Run;
 
 /// The taps of a batch on their way, and the one at hand.
 pub(super) struct Passing<'a, T, O> {
@@ -58,8 +59,10 @@ pub(super) struct Now {
 /// What taps need that hit and wait for nothing: laid open and by value, for as long as there are such.
 pub(super) struct Hits<'h, T> {
     taps: &'h T,
-    places: &'h mut [u64],
-    depth: usize,
+    /// By tap: the room it finds in the fragment FIFO, when its place can be taken again, and its clocks. All of one length, of which a compiler
+    /// then looks at one.
+    rooms: &'h [Cell<u64>],
+    frees: &'h [Cell<u64>],
     tags: &'h mut [u64],
     data_done: &'h mut [u64],
     planes: &'h mut [PlaneTiming],
@@ -104,11 +107,32 @@ fn wait_and_write(waiting: &mut Waiting, counts: &mut Counts, [door, filled, wri
 }
 
 impl<T: Taps> Hits<'_, T> {
+    /// The next access is a hit of this tap; false if it must be made otherwise.
+    #[inline(always)]
+    fn hit(&mut self, run: &Run, slot: u32) -> bool {
+        if !run.is_plainly_of(self.now.tap) {
+            let tap = run.tap();
+            if !run.is_plainly_of(self.now.tap + 1) || !self.plain {
+                return false;
+            }
+            let (data, done) = self.to_data();
+            self.leave(data, done);
+            self.enter(tap);
+        }
+        self.access(run.line, slot)
+    }
+
+    /// That was the last one.
+    #[inline(always)]
+    fn close(self) {
+        *self.back = self.now;
+    }
+
     /// The next tap, which is this, enters the tag unit.
     #[inline(always)]
     fn enter(&mut self, tap: usize) {
         let now = &mut self.now;
-        let tag = now.tag_free.max(self.places[tap]);
+        let tag = now.tag_free.max(self.rooms[tap].get());
         now.waited += tag - now.tag_free;
         self.tags[tap] = tag;
         (now.tap, now.plane, now.done) = (tap, usize::from(self.taps.plane(tap)), tag);
@@ -140,7 +164,7 @@ impl<T: Taps> Hits<'_, T> {
         row.fetches_ok += now.hits & 0xFFFF_FFFF;
         row.fetches_merged += now.hits >> 32;
         self.data_done[now.tap] = data_done;
-        self.places[now.tap + self.depth] = data + 1;
+        self.frees[now.tap].set(data + 1);
         (now.tag_free, now.data_free) = (now.done + 1, data_done + 1);
     }
 
@@ -160,42 +184,18 @@ impl<T: Taps> Hits<'_, T> {
     }
 }
 
-impl<T: Taps> RunHits for Hits<'_, T> {
-    #[inline(always)]
-    fn takes(&self, _: u32) -> bool {
-        true
-    }
-
-    #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) -> bool {
-        let tap = run.tap();
-        if self.now.tap != tap {
-            if self.now.tap + 1 != tap || !self.plain {
-                return false;
-            }
-            let (data, done) = self.to_data();
-            self.leave(data, done);
-            self.enter(tap);
-        }
-        !run.is_repeated() && self.access(run.line, slot)
-    }
-
-    #[inline(always)]
-    fn close(self) {
-        *self.back = self.now;
-    }
-}
-
 impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
     /// Lays open what hits need.
     #[inline(always)]
     fn open(&mut self) -> Hits<'_, T> {
+        let number = self.taps.number();
+        let places = Cell::from_mut(&mut *self.places).as_slice_of_cells();
         Hits {
             taps: self.taps,
-            places: self.places,
-            depth: self.depth,
-            tags: self.tags,
-            data_done: self.data_done,
+            rooms: &places[..number],
+            frees: &places[self.depth..][..number],
+            tags: &mut self.tags[..number],
+            data_done: &mut self.data_done[..number],
             planes: self.planes,
             status: self.misses.status.hits(),
             tag_bank: self.tag_bank,
@@ -310,6 +310,25 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         has
     }
 
+    /// All runs of the taps, and the slots of their lines. The texels of a run after the first hit the line the first accessed.
+    pub(super) fn pass_runs(mut self, runs: &[Run], slots: &[u32]) {
+        let mut accesses = runs.iter().zip(slots.iter().copied());
+        loop {
+            let mut hits = self.open();
+            let other = accesses.find(|&(run, slot)| slot & Slots::MISSED != 0 || !hits.hit(run, slot));
+            hits.close();
+            let Some((run, slot)) = other else { break };
+            self.go_to(run.tap());
+            let again = run.is_repeated() && self.has_accessed(run.line);
+            if slot & Slots::MISSED != 0 {
+                self.misses(run.line, slot & !Slots::MISSED);
+            } else if !again {
+                self.hits(run.line, slot);
+            }
+        }
+        self.finish();
+    }
+
     /// All line accesses of the taps.
     pub(super) fn pass(mut self, accesses: &[Access]) {
         for access in accesses {
@@ -335,37 +354,6 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
             counts.data_words += (0..number).map(|tap| self.taps.reads(tap)).sum::<u64>();
         }
         (*tag_free, *data_free) = (self.now.tag_free, self.now.data_free);
-    }
-}
-
-/// The texels of a run after the first hit the line the first accessed.
-impl<T: Taps, O: TimingObserver> RunObserver for Passing<'_, T, O> {
-    type Hits<'h>
-        = Hits<'h, T>
-    where
-        Self: 'h;
-
-    #[inline(always)]
-    fn hits(&mut self) -> Hits<'_, T> {
-        self.open()
-    }
-
-    #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) {
-        self.go_to(run.tap());
-        if run.is_repeated() && self.has_accessed(run.line) {
-            return;
-        }
-        self.hits(run.line, slot);
-    }
-
-    #[inline(always)]
-    fn miss(&mut self, run: &Run, slot: u32, _: Option<u64>) {
-        self.go_to(run.tap());
-        if run.is_repeated() {
-            self.has_accessed(run.line);
-        }
-        self.misses(run.line, slot);
     }
 }
 

@@ -82,11 +82,6 @@ impl RunObserver for TapReads {
 
 impl RunHits for &mut TapReads {
     #[inline(always)]
-    fn takes(&self, _: u32) -> bool {
-        true
-    }
-
-    #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) -> bool {
         RunObserver::hit(*self, run, slot);
         true
