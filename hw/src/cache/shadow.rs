@@ -3,6 +3,7 @@
 use alloc::{vec, vec::Vec};
 
 use super::line_index::LineIndex;
+use crate::lanes::UseLanes;
 
 /// No slot, no place.
 const NONE: u32 = u32::MAX;
@@ -168,16 +169,17 @@ impl Uses {
     /// Drops uses that were not the last of their place from a full log.
     #[cold]
     fn drop_former(&mut self) {
-        let mut kept = 0;
-        for number in self.first..self.log.len() {
-            let place = self.log[number];
-            let Some(last) = self.last.get(place as usize) else { continue };
+        let Self { log, last, .. } = self;
+        let lanes = UseLanes::detect();
+        let (mut kept, rest) = lanes.map_or((0, self.first), |lanes| lanes.move_last(log, self.first, last));
+        for number in rest..log.len() {
+            let place = log[number];
             // Written in any case: whether it stays is not to be guessed.
-            self.log[kept] = place;
-            kept += usize::from(*last as usize == number);
+            log[kept] = place;
+            kept += usize::from(last[place as usize] as usize == number);
         }
-        for (number, &place) in self.log[..kept].iter().enumerate() {
-            self.last[place as usize] = number as u32;
+        for (number, &place) in log[..kept].iter().enumerate() {
+            last[place as usize] = number as u32;
         }
         (self.first, self.next) = (0, kept);
     }

@@ -41,7 +41,7 @@ impl ChangeLanes {
 }
 
 /// For each set of four lanes of 64 bits, where they come from, two words each: those of the set first.
-const ORDER: [[i32; 8]; 16] = {
+const ORDER: [[u32; 8]; 16] = {
     let mut order = [[0; 8]; 16];
     let mut set = 0;
     while set < 16 {
@@ -76,7 +76,7 @@ pub(super) fn keep_fours(m: Avx2, addresses: &[[u64; EIGHT]], last: u64, line_sh
             let same = _mm256_cmpeq_epi64(line, _mm256_blend_epi32::<0b11>(turned, before));
             before = turned;
             let keep = (!_mm256_movemask_pd(_mm256_castsi256_pd(same)) & 0b1111) as usize;
-            let kept_first = _mm256_permutevar8x32_epi32(line, m.load_order(&ORDER[keep]));
+            let kept_first = _mm256_permutevar8x32_epi32(line, m.load_words(&ORDER[keep]));
             // The mask changes nothing, and tells the compiler so.
             if let Some(places) = kept[count & (BLOCK - 1)..].first_chunk_mut() {
                 m.store_four(places, kept_first);

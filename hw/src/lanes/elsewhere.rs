@@ -82,6 +82,20 @@ impl ChangeLanes {
 
 /// Nor of this.
 #[derive(Clone, Copy, Debug)]
+pub(crate) struct UseLanes(core::convert::Infallible);
+
+impl UseLanes {
+    pub(crate) fn detect() -> Option<Self> {
+        None
+    }
+
+    pub(crate) fn move_last(self, _: &mut [u32], _: usize, _: &[u32]) -> (usize, usize) {
+        match self.0 {}
+    }
+}
+
+/// Nor of this.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct BankLanes(core::convert::Infallible);
 
 impl BankLanes {

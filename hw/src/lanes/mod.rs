@@ -27,17 +27,20 @@ mod room;
 mod runs;
 #[cfg(target_arch = "x86_64")]
 mod unit;
+#[cfg(target_arch = "x86_64")]
+mod uses;
 
 #[cfg(not(target_arch = "x86_64"))]
 mod elsewhere;
 #[cfg(not(target_arch = "x86_64"))]
-use elsewhere::{self as banks, self as changes, self as runs, self as unit};
+use elsewhere::{self as banks, self as changes, self as runs, self as unit, self as uses};
 
 pub(crate) use banks::BankLanes;
 pub(crate) use changes::ChangeLanes;
 pub(crate) use run_shape::RunShape;
 pub(crate) use runs::{PLACES, RunLanes};
 pub(crate) use unit::Lanes;
+pub(crate) use uses::UseLanes;
 
 /// Requests, or taps, at a time.
 pub(crate) const LANES: usize = 8;

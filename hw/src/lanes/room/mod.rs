@@ -15,7 +15,7 @@ use super::{
     footprints,
     kernel::Kernel,
     run_shape::RunShape,
-    runs,
+    runs, uses,
 };
 use crate::{
     address::Footprint,
@@ -95,6 +95,13 @@ impl Avx2 {
     pub(super) fn keep_changes(self, addresses: &[[u64; EIGHT]], last: u64, line_shift: u32, kept: &mut Kept) -> usize {
         // SAFETY: as above.
         unsafe { changes::keep_fours(self, addresses, last, line_shift, kept) }
+    }
+
+    /// [`uses::move_last`] in code compiled for AVX2.
+    #[inline(always)]
+    pub(super) fn move_last_uses(self, log: &mut [u32], first: usize, last: &[u32]) -> (usize, usize) {
+        // SAFETY: as above.
+        unsafe { uses::move_last(self, log, first, last) }
     }
 
     /// [`banks::apart`] in code compiled for AVX2.
@@ -215,6 +222,22 @@ impl Avx2 {
         }
     }
 
+    /// The words at some indices; an index past the end reads the last word.
+    ///
+    /// # Panics
+    /// If there is no word, or 2^31 or more.
+    #[inline(always)]
+    pub(super) fn gather_words(self, words: &[u32], index: __m256i) -> __m256i {
+        assert!((1..=1 << 31).contains(&words.len()), "an index is a number of 31 bits");
+        let last = (words.len() - 1) as i32;
+        // SAFETY: `self` proves the instructions; each index is at most the last word's, and below 2^31, so it is not read as a negative
+        // number. The loads of a gather need no alignment.
+        unsafe {
+            let within = _mm256_min_epu32(index, _mm256_set1_epi32(last));
+            _mm256_i32gather_epi32::<4>(words.as_ptr().cast(), within)
+        }
+    }
+
     /// Four words of 64 bits.
     #[inline(always)]
     pub(super) fn load_four(self, words: &[u64; 4]) -> __m256i {
@@ -224,9 +247,23 @@ impl Avx2 {
 
     /// Eight words.
     #[inline(always)]
-    pub(super) fn load_order(self, words: &[i32; LANES]) -> __m256i {
+    pub(super) fn load_words(self, words: &[u32; LANES]) -> __m256i {
         // SAFETY: as above.
         unsafe { _mm256_loadu_si256(words.as_ptr().cast()) }
+    }
+
+    /// Four words.
+    #[inline(always)]
+    pub(super) fn load_four_words(self, words: &[u32; 4]) -> __m128i {
+        // SAFETY: `self` proves the instruction; 16 bytes of an array of as many; the load needs no alignment.
+        unsafe { _mm_loadu_si128(words.as_ptr().cast()) }
+    }
+
+    /// Fills four words.
+    #[inline(always)]
+    pub(super) fn store_four_words(self, words: &mut [u32; 4], register: __m128i) {
+        // SAFETY: `self` proves the instruction; 16 bytes of an array of as many; the store needs no alignment.
+        unsafe { _mm_storeu_si128(words.as_mut_ptr().cast(), register) }
     }
 
     /// Fills four words of 64 bits.
