@@ -24,6 +24,7 @@ use line_use::Marks;
 pub use miss_class::{MissClass, MissClasses, MissClassifier};
 pub use texel_cache::{Detail, TexelCache};
 
+use crate::lanes::ChangeLanes;
 use changes::Changes;
 use recency_tags::RecencyTags;
 use replacement::{FillOrder, RecencyList, Splitmix, TreeBits};
@@ -218,6 +219,7 @@ pub struct Cache {
     geometry: Geometry,
     policy: Policy,
     engine: Engine,
+    lanes: Option<ChangeLanes>,
     lookups: u64,
     misses: u64,
 }
@@ -313,7 +315,19 @@ impl Cache {
             (Policy::Plru, _) => Engine::Plru(Tags::new(sets, ways, TreeBits::new(sets, ways))),
             (Policy::Random { seed }, _) => Engine::Random(Tags::new(sets, ways, Splitmix::new(seed, ways))),
         };
-        Ok(Self { geometry, policy, engine, lookups: 0, misses: 0 })
+        Ok(Self { geometry, policy, engine, lanes: ChangeLanes::detect(), lookups: 0, misses: 0 })
+    }
+
+    /// The same cache without the lanes of the machine it runs on: what they are compared with.
+    #[must_use]
+    pub fn scalar(self) -> Self {
+        Self { lanes: None, ..self }
+    }
+
+    /// The same cache in lanes of 256 bits at most: what machines without AVX-512 have.
+    #[must_use]
+    pub fn narrow_lanes(self) -> Self {
+        Self { lanes: self.lanes.map(ChangeLanes::narrow), ..self }
     }
 
     /// Looks up the line of one byte address, filling it on a miss.
@@ -332,7 +346,7 @@ impl Cache {
         let shift = self.geometry.line.trailing_zeros();
         let sets = u64::from(self.geometry.sets);
         let Some(&first) = addresses.first() else { return };
-        let changes = Changes::new(first, shift);
+        let changes = Changes::new(first, shift, self.lanes);
         self.lookups += addresses.len() as u64;
         self.misses += with_engine!(&mut self.engine, tags => if sets.is_power_of_two() && shift == 6 {
             // The commonest line by far: a shift by a constant is cheaper.

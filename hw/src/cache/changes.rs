@@ -16,9 +16,9 @@ pub(super) struct Changes {
 
 impl Changes {
     /// For addresses from `first` on, in lines of two to the power of `line_shift` bytes.
-    pub(super) fn new(first: u64, line_shift: u32) -> Self {
+    pub(super) fn new(first: u64, line_shift: u32, lanes: Option<ChangeLanes>) -> Self {
         // In another line than the first, whatever the lines.
-        Self { line_shift, last: !first, lanes: ChangeLanes::detect() }
+        Self { line_shift, last: !first, lanes }
     }
 
     /// Writes the lines of a block of addresses that are not the line of the address before; the answer is how many.

@@ -25,6 +25,11 @@ impl ChangeLanes {
         Avx2::detect().map(|machine| Self { machine, wide: Avx512::detect() })
     }
 
+    /// The same lanes, of 256 bits at most.
+    pub(crate) fn narrow(self) -> Self {
+        Self { wide: None, ..self }
+    }
+
     /// Writes the lines of `addresses`, what is above `line_shift` bits, to `kept`: those that are not the line of the address before, before
     /// the first of `last`. How many.
     ///

@@ -75,6 +75,10 @@ impl ChangeLanes {
         None
     }
 
+    pub(crate) fn narrow(self) -> Self {
+        match self.0 {}
+    }
+
     pub(crate) fn keep(self, _: &[[u64; 8]], _: u64, _: u32, _: &mut Kept) -> usize {
         match self.0 {}
     }

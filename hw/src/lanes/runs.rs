@@ -19,7 +19,7 @@ const UP_TO: [u64; 256] = {
         let mut lane = 0;
         while lane < LANES {
             if set >> lane & 1 != 0 {
-                up_to[set] += !0 / 255 << (8 * lane);
+                up_to[set] += (u64::MAX / 255) << (8 * lane);
             }
             lane += 1;
         }

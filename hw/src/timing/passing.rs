@@ -115,7 +115,7 @@ impl<T: Taps> Hits<'_, T> {
             if !run.is_plainly_of(self.now.tap + 1) || !self.plain {
                 return false;
             }
-            let (data, done) = self.to_data();
+            let (data, done) = self.pass_on();
             self.leave(data, done);
             self.enter(tap);
         }
@@ -141,7 +141,7 @@ impl<T: Taps> Hits<'_, T> {
 
     /// The tap at hand passes on to the data unit: when that takes it, and when its reads begin.
     #[inline(always)]
-    fn to_data(&mut self) -> (u64, u64) {
+    fn pass_on(&mut self) -> (u64, u64) {
         let now = &mut self.now;
         let door = now.data_free.max(now.done + self.tag_latency);
         if now.missed == 0 {
@@ -219,7 +219,7 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
     /// The tap at hand leaves it, and passes the data unit.
     fn leave(&mut self) {
         let mut hits = self.open();
-        let (data, mut data_done) = hits.to_data();
+        let (data, mut data_done) = hits.pass_on();
         hits.close();
         if !self.all_apart {
             data_done = self.read(data_done);

@@ -150,14 +150,17 @@ proptest! {
         for (&address, &outcome) in addresses.iter().zip(&expected) {
             prop_assert_eq!(one_by_one.access(address), outcome, "{:?} {:?} at {:#x}", geometry, policy, address);
         }
-        let mut in_blocks = Cache::new(geometry, policy).unwrap();
-        for block in addresses.chunks(97) {
-            in_blocks.access_all(block, &mut ());
+        // In whatever lanes, in blocks shorter and longer than those that lanes take at a time.
+        let new = || Cache::new(geometry, policy).unwrap();
+        let mut in_blocks = [new(), new().narrow_lanes(), new().scalar()];
+        for cache in &mut in_blocks {
+            let (short, long) = addresses.split_at(addresses.len() / 3);
+            short.chunks(97).chain(long.chunks(601)).for_each(|block| cache.access_all(block, &mut ()));
         }
         let misses = expected.iter().filter(|outcome| !outcome.is_hit()).count() as u64;
         let evictions =
             expected.iter().filter(|outcome| matches!(outcome, Outcome::Miss { evicted: Some(_), .. })).count() as u64;
-        for cache in [&one_by_one, &in_blocks] {
+        for cache in in_blocks.iter().chain([&one_by_one]) {
             prop_assert_eq!(cache.lookups(), addresses.len() as u64);
             prop_assert_eq!(cache.misses(), misses);
             prop_assert_eq!(cache.evictions(), evictions);
@@ -168,9 +171,8 @@ proptest! {
     fn misses_fall_into_the_three_classes_as_defined((geometry, policy, addresses) in cases()) {
         let mut cache = Cache::new(geometry, policy).unwrap();
         let mut classifier = MissClassifier::new(geometry).unwrap();
-        for block in addresses.chunks(97) {
-            cache.access_all(block, &mut classifier);
-        }
+        let (short, long) = addresses.split_at(addresses.len() / 3);
+        short.chunks(97).chain(long.chunks(601)).for_each(|block| cache.access_all(block, &mut classifier));
         let classes = classifier.classes();
         let got = [classes.compulsory, classes.capacity, classes.conflict];
         prop_assert_eq!(got, textbook_classes(geometry, policy, &addresses), "{:?} {:?}", geometry, policy);
