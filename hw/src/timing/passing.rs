@@ -68,9 +68,11 @@ pub(super) struct Hits<'h, T> {
     planes: &'h mut [PlaneTiming],
     status: StatusHits<'h>,
     tag_bank: BankOf,
-    /// Whether all taps read in one clock each, and nobody watches.
-    plain: bool,
+    all_apart: bool,
+    /// Whether nobody must be told of taps.
+    unwatched: bool,
     waiting: &'h mut Waiting,
+    data_banks: &'h mut DataBanks,
     counts: &'h mut Counts,
     line_write: u64,
     tag_latency: u64,
@@ -106,17 +108,25 @@ fn wait_and_write(waiting: &mut Waiting, counts: &mut Counts, [door, filled, wri
     data
 }
 
+/// The clock of the last word of a tap whose reads begin at `begin`. Not a method, as above.
+#[inline(never)]
+fn read(data_banks: &mut DataBanks, counts: &mut Counts, addresses: &[u64], begin: u64) -> u64 {
+    let (done, words) = data_banks.read(addresses, begin);
+    counts.data_words += words;
+    counts.data_conflict_clocks += done - begin;
+    done
+}
+
 impl<T: Taps> Hits<'_, T> {
     /// The next access is a hit of this tap; false if it must be made otherwise.
     #[inline(always)]
     fn hit(&mut self, run: &Run, slot: u32) -> bool {
         if !run.is_plainly_of(self.now.tap) {
             let tap = run.tap();
-            if !run.is_plainly_of(self.now.tap + 1) || !self.plain {
+            if !run.is_plainly_of(self.now.tap + 1) || !self.unwatched {
                 return false;
             }
-            let (data, done) = self.pass_on();
-            self.leave(data, done);
+            self.leave();
             self.enter(tap);
         }
         self.access(run.line, slot)
@@ -139,26 +149,23 @@ impl<T: Taps> Hits<'_, T> {
         (now.banks_taken, now.hits) = (0, 0);
     }
 
-    /// The tap at hand passes on to the data unit: when that takes it, and when its reads begin.
+    /// The tap at hand leaves it, and passes the data unit; when that takes it.
     #[inline(always)]
-    fn pass_on(&mut self) -> (u64, u64) {
-        let now = &mut self.now;
-        let door = now.data_free.max(now.done + self.tag_latency);
-        if now.missed == 0 {
-            return (door, door);
-        }
-        let writes = now.missed as u64 * self.line_write;
-        let data = wait_and_write(self.waiting, self.counts, [door, now.filled, writes], now.missed);
-        self.planes[now.plane].stall_wait_read += data - door;
-        now.missed = 0;
-        (data, data + writes)
-    }
-
-    /// The data unit takes the tap at hand, and is done with it.
-    #[inline(always)]
-    fn leave(&mut self, data: u64, data_done: u64) {
+    fn leave(&mut self) -> u64 {
         let now = &mut self.now;
         let row = &mut self.planes[now.plane];
+        let door = now.data_free.max(now.done + self.tag_latency);
+        let (mut data, mut data_done) = (door, door);
+        if now.missed > 0 {
+            let writes = now.missed as u64 * self.line_write;
+            data = wait_and_write(self.waiting, self.counts, [door, now.filled, writes], now.missed);
+            data_done = data + writes;
+            row.stall_wait_read += data - door;
+            now.missed = 0;
+        }
+        if !self.all_apart {
+            data_done = read(self.data_banks, self.counts, self.taps.addresses(now.tap), data_done);
+        }
         row.taps += 1;
         row.reads += self.taps.reads(now.tap);
         row.fetches_ok += now.hits & 0xFFFF_FFFF;
@@ -166,6 +173,7 @@ impl<T: Taps> Hits<'_, T> {
         self.data_done[now.tap] = data_done;
         self.frees[now.tap].set(data + 1);
         (now.tag_free, now.data_free) = (now.done + 1, data_done + 1);
+        data
     }
 
     /// A hit of the tap at hand that waits for nothing; false of one that does.
@@ -199,8 +207,10 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
             planes: self.planes,
             status: self.misses.status.hits(),
             tag_bank: self.tag_bank,
-            plain: self.all_apart && !O::WATCHES,
+            all_apart: self.all_apart,
+            unwatched: !O::WATCHES,
             waiting: &mut self.misses.waiting,
+            data_banks: self.rest.data_banks,
             counts: self.rest.counts,
             line_write: self.rest.line_write,
             tag_latency: self.tag_latency,
@@ -218,19 +228,14 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
 
     /// The tap at hand leaves it, and passes the data unit.
     fn leave(&mut self) {
+        let tag_done = self.now.done;
         let mut hits = self.open();
-        let (data, mut data_done) = hits.pass_on();
+        let data = hits.leave();
         hits.close();
-        if !self.all_apart {
-            data_done = self.read(data_done);
-        }
         if O::WATCHES {
-            self.rest.watched.tag_done.push(self.now.done);
+            self.rest.watched.tag_done.push(tag_done);
             self.rest.watched.data.push(data);
         }
-        let mut hits = self.open();
-        hits.leave(data, data_done);
-        hits.close();
     }
 
     /// What follows is of this tap.
@@ -288,14 +293,6 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         }
         now.banks_taken = if miss.clock == now.done { now.banks_taken } else { 0 } | 1 << bank;
         now.done = miss.clock;
-    }
-
-    /// The clock of the last word of a tap whose reads begin at `begin`.
-    fn read(&mut self, begin: u64) -> u64 {
-        let (done, words) = self.rest.data_banks.read(self.taps.addresses(self.now.tap), begin);
-        self.rest.counts.data_words += words;
-        self.rest.counts.data_conflict_clocks += done - begin;
-        done
     }
 
     /// Whether the tap at hand has accessed a line before this access.
