@@ -279,7 +279,7 @@ macro_rules! with_engine {
 
 mod runs;
 pub(crate) use runs::{Run, RunHits, RunObserver};
-use runs::{SetOf, Splitter};
+use runs::{SetOf, Splitter, Told};
 
 impl Cache {
     /// An empty cache.

@@ -2,7 +2,7 @@
 
 use bitvec::{bitvec, order::Lsb0, vec::BitVec};
 
-use super::{Geometry, GeometryError, Observer, Outcome, Run};
+use super::{Geometry, GeometryError, Observer, Outcome, Told};
 
 /// Marks the texels read of every line in a cache, of which it must see every lookup from the first on.
 ///
@@ -62,24 +62,24 @@ impl LineUse {
         (self.left + resident) << self.texel_shift
     }
 
-    /// Whether the texels of a line are told by a bit each.
-    pub(super) const fn is_marked(&self) -> bool {
-        self.texel_mask < Run::MARKED
+    /// How a [`Run`](super::Run) tells the texels of a line.
+    pub(super) const fn told(&self) -> Told {
+        Told::of(self.texel_mask + 1)
     }
 
     /// The marks, laid open once for many lookups.
     #[inline(always)]
     pub(super) fn marks<const MARKED: bool>(&mut self) -> Marks<'_, MARKED> {
-        debug_assert!(self.is_marked() || !MARKED);
-        let marked = self.is_marked();
-        Marks { words: self.words, marked, marks: self.marks.as_raw_mut_slice(), left: &mut self.left }
+        let told = self.told();
+        debug_assert!(told == Told::Bits || !MARKED);
+        Marks { words: self.words, told, marks: self.marks.as_raw_mut_slice(), left: &mut self.left }
     }
 }
 
 /// The marks of a [`LineUse`] as words; texels are told by a bit each for certain if `MARKED`.
 pub(super) struct Marks<'a, const MARKED: bool> {
     words: usize,
-    marked: bool,
+    told: Told,
     marks: &'a mut [u64],
     left: &'a mut u64,
 }
@@ -88,16 +88,19 @@ impl<const MARKED: bool> Marks<'_, MARKED> {
     /// The same marks for a while.
     #[inline(always)]
     pub(super) fn lent(&mut self) -> Marks<'_, MARKED> {
-        Marks { words: self.words, marked: self.marked, marks: self.marks, left: self.left }
+        Marks { words: self.words, told: self.told, marks: self.marks, left: self.left }
     }
 
     /// Marks texels of the line in `slot`, told as a [`Run`] tells them.
     #[inline(always)]
     pub(super) fn hit(&mut self, texels: u32, slot: u32) {
-        if MARKED || self.marked {
-            self.marks[slot as usize] |= u64::from(texels);
-        } else {
-            self.marks[slot as usize * self.words + (texels / 64) as usize] |= 1 << (texels % 64);
+        let first = slot as usize * if MARKED { 1 } else { self.words };
+        let mut mark = |number: u32| self.marks[first + (number / 64) as usize] |= 1 << (number % 64);
+        match self.told {
+            _ if MARKED => self.marks[first] |= u64::from(texels),
+            Told::Bits => self.marks[first] |= u64::from(texels),
+            Told::Four => texels.to_le_bytes().into_iter().for_each(|number| mark(number.into())),
+            Told::One => mark(texels),
         }
     }
 
@@ -122,7 +125,7 @@ impl Observer for LineUse {
     #[inline(always)]
     fn lookup(&mut self, address: u64, _: u64, outcome: Outcome) {
         let number = (address >> self.texel_shift & self.texel_mask) as u32;
-        let texels = if self.is_marked() { 1 << number } else { number };
+        let texels = self.told().one(number);
         match outcome {
             Outcome::Hit { slot } => self.marks::<false>().hit(texels, slot),
             Outcome::Miss { slot, evicted } => self.marks::<false>().miss(texels, slot, evicted),

@@ -18,15 +18,13 @@ use crate::{
 pub(crate) struct Run {
     /// Number of the line.
     pub(crate) line: u64,
-    /// Which texels of it, a bit each, where a line has at most [`MARKED`](Self::MARKED); else the number of the one texel.
+    /// Which texels of it, as [`Told`] says.
     pub(super) texels: u32,
     /// Number of the tap in its batch, and the bit [`REPEATED`](Self::REPEATED).
     tap: u32,
 }
 
 impl Run {
-    /// Texels of a line that can be told by a bit each.
-    pub(super) const MARKED: u64 = 32;
     /// Another run of the tap may be of the same line.
     const REPEATED: u32 = 1 << 31;
 
@@ -42,6 +40,47 @@ impl Run {
 
     pub(crate) const fn is_repeated(&self) -> bool {
         self.tap & Self::REPEATED != 0
+    }
+}
+
+/// How the texels of a run are told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Told {
+    /// A bit each, of lines of at most 32 texels.
+    Bits,
+    /// The numbers of four, eight bits each, which may be of one texel, of lines of at most 256.
+    Four,
+    /// The number of the only one.
+    One,
+}
+
+impl Told {
+    /// Of lines of so many texels.
+    pub(super) const fn of(texels: u64) -> Self {
+        match texels {
+            0..=32 => Self::Bits,
+            33..=256 => Self::Four,
+            _ => Self::One,
+        }
+    }
+
+    /// One texel, of this number.
+    #[inline(always)]
+    pub(super) const fn one(self, number: u32) -> u32 {
+        match self {
+            Self::Bits => 1 << number,
+            Self::Four => number * 0x0101_0101,
+            Self::One => number,
+        }
+    }
+
+    /// Texels of these numbers, which are four at most, and not told by the number of only one.
+    #[inline(always)]
+    fn all(self, numbers: &[u32]) -> u32 {
+        match self {
+            Self::Bits => numbers.iter().fold(0, |texels, number| texels | 1 << number),
+            _ => (0..4).fold(0, |texels, place| texels | numbers[place % numbers.len()] << (8 * place)),
+        }
     }
 }
 
@@ -154,8 +193,7 @@ pub(super) struct Splitter {
     set_of: SetOf,
     /// A line just used is not the next victim, unless it is the only one of its set.
     protects: bool,
-    /// Whether a run can have several texels.
-    marked: bool,
+    told: Told,
     lanes: Option<(RunLanes, RunShape)>,
     runs: Vec<Run>,
 }
@@ -166,15 +204,15 @@ impl Splitter {
         let protects = geometry.ways > 1 && matches!(policy, Policy::Lru | Policy::Plru);
         let set_mask = if protects { None } else { Some(geometry.sets.wrapping_sub(1)) };
         let shape = RunShape { line_shift, texel_shift, set_mask };
-        let marked = u64::from(geometry.line / texel) <= Run::MARKED;
-        let suits = marked && (protects || geometry.sets.is_power_of_two());
+        let told = Told::of((geometry.line / texel).into());
+        let suits = told == Told::Bits && (protects || geometry.sets.is_power_of_two());
         Self {
             line_shift,
             texel_shift,
             texel_mask: u64::from(geometry.line / texel - 1),
             set_of: SetOf::new(geometry),
             protects,
-            marked,
+            told,
             lanes: RunLanes::detect().filter(|_| suits).map(|lanes| (lanes, shape)),
             runs: Vec::new(),
         }
@@ -188,7 +226,7 @@ impl Splitter {
             self.runs.resize(most, Run::default());
         }
         let mut runs = core::mem::take(&mut self.runs);
-        let whole = batch.texels_per_tap == 4 && self.marked;
+        let whole = batch.texels_per_tap == 4 && self.told != Told::One;
         let (eights, _) = batch.taps.as_chunks();
         let (mut number, mut count, mut outside) = (0, 0, 0);
         while number < batch.taps.len() {
@@ -238,12 +276,12 @@ impl Splitter {
         if is_outside(a | b | c | d) || !(in_rows || in_columns) {
             return None;
         }
-        let [a, b, c, d] = tap.address.map(|address| 1 << (address >> self.texel_shift & self.texel_mask));
-        let run = |line, texels| Run { line, texels, tap: number as u32 };
+        let [a, b, c, d] = tap.address.map(|address| (address >> self.texel_shift & self.texel_mask) as u32);
+        let run = |line, texels: &[u32]| Run { line, texels: self.told.all(texels), tap: number as u32 };
         Some(match (in_rows, in_columns) {
-            (true, true) => ([run(lines[0], a | b | c | d); 2], 1),
-            (true, false) => ([run(lines[0], a | b), run(lines[2], c | d)], 2),
-            _ => ([run(lines[0], a | c), run(lines[1], b | d)], 2),
+            (true, true) => ([run(lines[0], &[a, b, c, d]); 2], 1),
+            (true, false) => ([run(lines[0], &[a, b]), run(lines[2], &[c, d])], 2),
+            _ => ([run(lines[0], &[a, c]), run(lines[1], &[b, d])], 2),
         })
     }
 
@@ -253,8 +291,7 @@ impl Splitter {
         let mut count = 0;
         for (&address, run) in addresses.iter().filter(|&&address| !is_outside(address)).zip(&mut *runs) {
             let texel = (address >> self.texel_shift & self.texel_mask) as u32;
-            let texels = if self.marked { 1 << texel } else { texel };
-            *run = Run { line: address >> self.line_shift, texels, tap: number as u32 };
+            *run = Run { line: address >> self.line_shift, texels: self.told.one(texel), tap: number as u32 };
             count += 1;
         }
         let runs = &mut runs[..count];

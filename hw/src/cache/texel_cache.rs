@@ -10,7 +10,7 @@ use crate::{
 
 use super::{
     Cache, Counters, Geometry, GeometryError, LineUse, Marks, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
-    Run, RunHits, RunObserver, ShadowHits, Splitter,
+    Run, RunHits, RunObserver, ShadowHits, Splitter, Told,
 };
 
 /// Which of the dearer counters to keep. What is not kept costs nothing and reads 0.
@@ -226,7 +226,9 @@ impl TexelCache {
         let (runs, lookups) = self.splitter.split(batch, planes);
         let taps = batch.taps;
         match &mut self.meter {
-            Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None } if line_use.is_marked() => {
+            Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None }
+                if line_use.told() == Told::Bits =>
+            {
                 let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, taps };
                 self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
