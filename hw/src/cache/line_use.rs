@@ -91,13 +91,12 @@ impl<const MARKED: bool> Marks<'_, MARKED> {
         Marks { words: self.words, told: self.told, marks: self.marks, left: self.left }
     }
 
-    /// Marks texels of the line in `slot`, told as a [`Run`] tells them.
+    /// Marks texels of the line in `slot`, told as a [`Run`](super::Run) tells them.
     #[inline(always)]
     pub(super) fn hit(&mut self, texels: u32, slot: u32) {
         let first = slot as usize * if MARKED { 1 } else { self.words };
         let mut mark = |number: u32| self.marks[first + (number / 64) as usize] |= 1 << (number % 64);
-        match self.told {
-            _ if MARKED => self.marks[first] |= u64::from(texels),
+        match if MARKED { Told::Bits } else { self.told } {
             Told::Bits => self.marks[first] |= u64::from(texels),
             Told::Four => texels.to_le_bytes().into_iter().for_each(|number| mark(number.into())),
             Told::One => mark(texels),

@@ -1,8 +1,13 @@
 //! Tags kept in order of use: LRU of up to 16 ways without a search, the loop that most runs spend their time in.
 
 use alloc::vec::Vec;
+use core::slice::Iter;
 
-use super::{Observer, Outcome, changes::Changes, tags::look_up};
+use super::{
+    Observer, Outcome, Run,
+    changes::Changes,
+    tags::{access_until, look_up},
+};
 
 /// Low bits of an entry: the way.
 const WAY_BITS: u32 = 4;
@@ -44,22 +49,17 @@ impl<const WAYS: usize> RecencyTags<WAYS> {
         Self::access_either(&mut self.sets, set, line)
     }
 
-    /// Looks up lines for as long as `go_on` says of each and its outcome; the one of which it did not, if there was one.
+    /// [`access_until`] with these tags.
     #[inline(always)]
-    pub(super) fn access_until<'i, T>(
+    pub(super) fn access_until<'i>(
         &mut self,
-        items: &mut core::slice::Iter<'i, T>,
-        line_of: impl Fn(&T) -> u64,
+        runs: &mut Iter<'i, Run>,
         set_of: impl Fn(u64, usize) -> usize,
-        mut go_on: impl FnMut(&T, Outcome) -> bool,
-    ) -> Option<(&'i T, Outcome)> {
+        go_on: impl FnMut(&Run, Outcome) -> bool,
+    ) -> Option<(&'i Run, Outcome)> {
         let sets = self.sets.as_mut_slice();
         let count = sets.len();
-        items.find_map(|item| {
-            let line = line_of(item);
-            let outcome = Self::access_either(sets, set_of(line, count), line);
-            (!go_on(item, outcome)).then_some((item, outcome))
-        })
+        access_until(runs, go_on, |line| Self::access_either(sets, set_of(line, count), line))
     }
 
     /// Looks up one that is likely in either of the two most recent places: taps of two levels take turns, and a host cannot guess in which.

@@ -331,15 +331,10 @@ impl Cache {
                 let mut runs = runs.iter();
                 loop {
                     let mut hits = observer.hits();
-                    let told = $tags.access_until(
-                        &mut runs,
-                        |run| run.line,
-                        $set,
-                        |run, outcome| match outcome {
-                            Outcome::Hit { slot } => hits.hit(run, slot),
-                            Outcome::Miss { .. } => false,
-                        },
-                    );
+                    let told = $tags.access_until(&mut runs, $set, |run, outcome| match outcome {
+                        Outcome::Hit { slot } => hits.hit(run, slot),
+                        Outcome::Miss { .. } => false,
+                    });
                     hits.close();
                     match told {
                         None => break,

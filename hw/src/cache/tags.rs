@@ -1,9 +1,9 @@
 //! The tag memory and the lookup itself, for any replacement policy.
 
 use alloc::{vec, vec::Vec};
+use core::slice::Iter;
 
-use super::{Observer, Outcome, changes::Changes, line_index::LineIndex, replacement::Replacement};
-
+use super::{Observer, Outcome, Run, changes::Changes, line_index::LineIndex, replacement::Replacement};
 use crate::lanes::{BLOCK, Kept};
 
 /// Sets wider than this are searched through an index instead of way by way.
@@ -47,6 +47,19 @@ pub(super) fn look_up<O: Observer>(
         observer.lookup(address, line, outcome);
     }
     misses
+}
+
+/// Looks up runs for as long as `go_on` says of each and its outcome; the one of which it did not, if there was one.
+#[inline(always)]
+pub(super) fn access_until<'i>(
+    runs: &mut Iter<'i, Run>,
+    mut go_on: impl FnMut(&Run, Outcome) -> bool,
+    mut access: impl FnMut(u64) -> Outcome,
+) -> Option<(&'i Run, Outcome)> {
+    runs.find_map(|run| {
+        let outcome = access(run.line);
+        (!go_on(run, outcome)).then_some((run, outcome))
+    })
 }
 
 /// Tags of `sets * ways` lines, each in its way for as long as it stays.
@@ -94,20 +107,15 @@ impl<R: Replacement> Tags<R> {
         self.access_primed(set, line)
     }
 
-    /// Looks up lines for as long as `go_on` says of each and its outcome; the one of which it did not, if there was one.
+    /// [`access_until`] with these tags.
     #[inline(always)]
-    pub(super) fn access_until<'i, T>(
+    pub(super) fn access_until<'i>(
         &mut self,
-        items: &mut core::slice::Iter<'i, T>,
-        line_of: impl Fn(&T) -> u64,
+        runs: &mut Iter<'i, Run>,
         set_of: impl Fn(u64, usize) -> usize,
-        mut go_on: impl FnMut(&T, Outcome) -> bool,
-    ) -> Option<(&'i T, Outcome)> {
-        items.find_map(|item| {
-            let line = line_of(item);
-            let outcome = self.access(set_of(line, self.sets.len()), line);
-            (!go_on(item, outcome)).then_some((item, outcome))
-        })
+        go_on: impl FnMut(&Run, Outcome) -> bool,
+    ) -> Option<(&'i Run, Outcome)> {
+        access_until(runs, go_on, |line| self.access(set_of(line, self.sets.len()), line))
     }
 
     /// With one set there is no line of another set to mark it empty, but any line other than the first to come does.

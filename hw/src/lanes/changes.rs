@@ -4,6 +4,7 @@ use core::arch::x86_64::*;
 
 use super::{
     BLOCK, Kept,
+    compress::{KEPT, order},
     room::{Avx2, Avx512, ask_ahead},
 };
 
@@ -45,27 +46,8 @@ impl ChangeLanes {
     }
 }
 
-/// For each set of four lanes of 64 bits, where they come from, two words each: those of the set first.
-const ORDER: [[u32; 8]; 16] = {
-    let mut order = [[0; 8]; 16];
-    let mut set = 0;
-    while set < 16 {
-        let (mut lane, mut to) = (0, 0);
-        while lane < 4 {
-            if set >> lane & 1 != 0 {
-                order[set][to] = 2 * lane;
-                order[set][to + 1] = 2 * lane + 1;
-                to += 2;
-            }
-            lane += 1;
-        }
-        set += 1;
-    }
-    order
-};
-
-/// How many lanes are in each set of four.
-const KEPT: [u8; 16] = [0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4];
+/// By sets of four lanes of 64 bits.
+const ORDER: [[u32; 8]; 16] = order();
 
 /// [`ChangeLanes::keep`], four at a time.
 #[target_feature(enable = "avx2")]

@@ -54,6 +54,7 @@ impl<'m> Lanes<'m> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RunLanes(core::convert::Infallible);
 
+/// Lanes write no runs.
 pub(crate) const PLACES: usize = 0;
 
 impl RunLanes {

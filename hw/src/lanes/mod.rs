@@ -12,6 +12,8 @@ mod banks;
 #[cfg(target_arch = "x86_64")]
 mod changes;
 #[cfg(target_arch = "x86_64")]
+mod compress;
+#[cfg(target_arch = "x86_64")]
 mod filter;
 #[cfg(target_arch = "x86_64")]
 mod footprints;

@@ -2,7 +2,12 @@
 
 use core::arch::x86_64::*;
 
-use super::{LANES, machine::Machine, room::Avx2};
+use super::{
+    LANES,
+    compress::{KEPT, order},
+    machine::Machine,
+    room::Avx2,
+};
 
 /// Drops them, on machines that can.
 #[derive(Clone, Copy, Debug)]
@@ -21,23 +26,8 @@ impl UseLanes {
     }
 }
 
-/// For each set of four lanes, where they come from: those of the set first.
-const ORDER: [[u32; 4]; 16] = {
-    let mut order = [[0; 4]; 16];
-    let mut set = 0;
-    while set < 16 {
-        let (mut lane, mut to) = (0, 0);
-        while lane < 4 {
-            if set >> lane & 1 != 0 {
-                order[set][to] = lane;
-                to += 1;
-            }
-            lane += 1;
-        }
-        set += 1;
-    }
-    order
-};
+/// By sets of four lanes of 32 bits.
+const ORDER: [[u32; 4]; 16] = order();
 
 /// [`UseLanes::move_last`]. Whether an entry is the last use is not to be guessed: there is no branch on it.
 #[target_feature(enable = "avx2")]
@@ -55,7 +45,7 @@ pub(super) fn move_last(m: Avx2, log: &mut [u32], first: usize, last: &[u32]) ->
             if let Some(places) = log[kept..].first_chunk_mut() {
                 m.store_four_words(places, moved);
             }
-            kept += (0x4332_3221_3221_2110_u64 >> (4 * set) & 15) as usize;
+            kept += usize::from(KEPT[set]);
         }
         number += LANES;
         numbers = m.add(numbers, m.splat(LANES as i32));

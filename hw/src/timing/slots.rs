@@ -23,6 +23,11 @@ impl Slots {
         }
     }
 
+    fn note(&mut self, slot: u32) {
+        self.slots[self.count] = slot;
+        self.count += 1;
+    }
+
     /// Those of the runs since then.
     pub(super) fn slots(&self) -> &[u32] {
         &self.slots[..self.count]
@@ -61,14 +66,12 @@ impl RunObserver for Slots {
 
     #[inline(always)]
     fn hit(&mut self, _: &Run, slot: u32) {
-        self.slots[self.count] = slot;
-        self.count += 1;
+        self.note(slot);
     }
 
     #[inline(always)]
     fn miss(&mut self, _: &Run, slot: u32, _: Option<u64>) {
-        self.slots[self.count] = slot | Self::MISSED;
-        self.count += 1;
+        self.note(slot | Self::MISSED);
     }
 }
 
