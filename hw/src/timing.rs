@@ -17,12 +17,14 @@ mod misses;
 mod parameters;
 mod passing;
 mod pipeline;
+mod plain;
 mod queue;
 mod slots;
 mod tap_reads;
 mod taps;
 
 pub use banks::BankHash;
+use banks::BankOf;
 pub use counters::{HISTOGRAM_MAX, Histograms, PlaneTiming, TimingCounters};
 pub use dram::{DramParameters, Mapping, Page, Row};
 pub use events::{FillTimes, RequestTimes, StoredFetch, TapTimes, TimingObserver};
@@ -98,6 +100,9 @@ pub struct Timing<O = ()> {
     /// Their addresses, where they are not those of footprints.
     gathered: Gathered,
     bank_lanes: Option<BankLanes>,
+    tag_bank: BankOf,
+    /// Of each tap at hand, 1 if its first and its last texel are in two lines of one bank.
+    clashes: Vec<u8>,
     /// Where the requests of the batch at hand end.
     ends: Vec<u32>,
 }
@@ -141,8 +146,13 @@ impl<O: TimingObserver> Timing<O> {
             reads: TapReads::default(),
             slots: Slots::default(),
             gathered: Gathered::default(),
-            bank_lanes: BankLanes::new(p.data_bank_bytes.trailing_zeros(), p.data_banks)
-                .filter(|_| p.data_hash == BankHash::Low && Ample::fits(&p)),
+            bank_lanes: BankLanes::new(
+                [p.data_bank_bytes.trailing_zeros(), p.data_banks],
+                [geometry.line.trailing_zeros(), p.tag_banks],
+            )
+            .filter(|_| [p.data_hash, p.tag_hash] == [BankHash::Low; 2] && Ample::fits(&p)),
+            tag_bank: BankOf::new(p.tag_banks, p.tag_hash),
+            clashes: Vec::new(),
             ends: Vec::new(),
             cache,
         })
@@ -188,7 +198,7 @@ impl<O: TimingObserver> Timing<O> {
 
     /// Looks up taps run by run, and times them.
     fn look_up_in_runs_and_time(&mut self, batch: Batch<'_>, taps: &InPlace<'_>) {
-        let mut slots = core::mem::take(&mut self.slots);
+        let (mut slots, clashes) = (core::mem::take(&mut self.slots), core::mem::take(&mut self.clashes));
         let (pipe, cache, reads, ends, mut beside) = self.parts();
         match pipe {
             _ if ends.is_empty() => {}
@@ -200,11 +210,11 @@ impl<O: TimingObserver> Timing<O> {
             Pipe::Ample(pipe) => {
                 slots.clear(batch.taps.len());
                 let runs = cache.take_observed(batch, &mut slots);
-                pipe.begin(taps, &mut beside).pass_runs(runs, slots.slots());
+                pipe.begin(taps, &mut beside).pass_runs(runs, &clashes, slots.slots());
                 pipe.end(ends, taps, beside);
             }
         }
-        self.slots = slots;
+        (self.slots, self.clashes) = (slots, clashes);
     }
 
     /// What taps pass, the cache, what is known of their reads, where their requests end, and all beside.
@@ -257,7 +267,7 @@ impl<O: TimingObserver> Timing<O> {
 
         (c.miss_port_busy, c.miss_port_idle) = misses.port.closed(cycles);
         (c.miss_queue_sum, c.miss_queue_max) = misses.miss_queue.usage();
-        (c.reorder_buffer_sum, c.reorder_buffer_max) = misses.waiting.reorder_buffer.usage();
+        (c.reorder_buffer_sum, c.reorder_buffer_max) = misses.reorder_buffer.usage();
         (c.miss_status_sum, c.miss_status_max) = misses.status.usage();
         (c.fill_latency_sum, c.fill_latency_min, c.fill_latency_max) = misses.fill_latency.all();
 
@@ -318,18 +328,33 @@ impl<O: TimingObserver> Sink for Timing<O> {
             let addresses = taps.iter().flat_map(|tap| &tap.address[..batch.texels_per_tap]);
             is_outside(addresses.fold(0, |all, address| all | address))
         };
+        let mut clashes = core::mem::take(&mut self.clashes);
+        clashes.clear();
+        clashes.reserve(batch.taps.len());
+        let (tag_bank, line_shift) = (self.tag_bank, self.line_shift);
+        let clash = |tap: &Footprint| {
+            let [first, last] = [0, batch.texels_per_tap - 1].map(|texel| tap.address[texel] >> line_shift);
+            u8::from(first != last && tag_bank.bank(first) == tag_bank.bank(last))
+        };
         let mut rest = batch.taps;
         let (mut outside, mut all_apart) = (false, true);
         if let Some(lanes) = self.bank_lanes.filter(|_| batch.texels_per_tap == 4) {
             let eights;
             (eights, rest) = batch.taps.as_chunks();
             for eight in eights {
-                // Addresses of 32 bits are inside.
-                let apart = lanes.apart(eight);
-                outside |= apart.is_none() && any_outside(eight);
-                all_apart &= apart == Some(0xFF);
+                if let Some((apart, of_eight)) = lanes.look(eight) {
+                    // Addresses of 32 bits are inside.
+                    all_apart &= apart;
+                    clashes.extend_from_slice(&of_eight);
+                } else {
+                    all_apart = false;
+                    outside |= any_outside(eight);
+                    clashes.extend(eight.iter().map(clash));
+                }
             }
         }
+        clashes.extend(rest.iter().map(clash));
+        self.clashes = clashes;
         outside |= any_outside(rest);
         if outside || batch.surface.reads_per_texel() > 1 {
             let mut gathered = core::mem::take(&mut self.gathered);

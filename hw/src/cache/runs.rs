@@ -32,15 +32,18 @@ impl Run {
         (self.tap & !Self::REPEATED) as usize
     }
 
-    /// Whether it is of this tap, in which no line is repeated.
-    #[inline(always)]
-    pub(crate) const fn is_plainly_of(&self, tap: usize) -> bool {
-        self.tap as usize == tap
-    }
-
     pub(crate) const fn is_repeated(&self) -> bool {
         self.tap & Self::REPEATED != 0
     }
+}
+
+/// The runs of taps.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Runs<'s> {
+    /// All of them, tap by tap.
+    pub(crate) runs: &'s [Run],
+    /// How many each tap has.
+    pub(crate) counts: &'s [u8],
 }
 
 /// How the texels of a run are told.
@@ -196,6 +199,8 @@ pub(super) struct Splitter {
     told: Told,
     lanes: Option<(RunLanes, RunShape)>,
     runs: Vec<Run>,
+    /// How many each tap has.
+    counts: Vec<u8>,
 }
 
 impl Splitter {
@@ -215,17 +220,19 @@ impl Splitter {
             told,
             lanes: RunLanes::detect().filter(|_| suits).map(|lanes| (lanes, shape)),
             runs: Vec::new(),
+            counts: Vec::new(),
         }
     }
 
     /// The runs of a batch, and the number of texels read; `planes` counts those of each plane.
-    pub(super) fn split(&mut self, batch: Batch<'_>, planes: &mut [PlaneCounters]) -> (&[Run], u64) {
+    pub(super) fn split(&mut self, batch: Batch<'_>, planes: &mut [PlaneCounters]) -> (Runs<'_>, u64) {
         // As many as there can be, and what eight taps may write to.
         let most = 4 * batch.taps.len() + PLACES;
         if self.runs.len() < most {
             self.runs.resize(most, Run::default());
         }
-        let mut runs = core::mem::take(&mut self.runs);
+        self.counts.resize(batch.taps.len(), 0);
+        let (mut runs, mut counts) = (core::mem::take(&mut self.runs), core::mem::take(&mut self.counts));
         let whole = batch.texels_per_tap == 4 && self.told != Told::One;
         let (eights, _) = batch.taps.as_chunks();
         let (mut number, mut count, mut outside) = (0, 0, 0);
@@ -238,6 +245,7 @@ impl Splitter {
                     number as u32,
                     shape,
                     &mut runs[count..],
+                    &mut counts[number..],
                 );
                 next += found * LANES;
                 count += written;
@@ -246,6 +254,7 @@ impl Splitter {
             // What lanes leave, eight at most.
             number = batch.taps.len().min(next + LANES);
             for (tap, number) in batch.taps[next..number].iter().zip(next..) {
+                let before = count;
                 let read = if let Some((pair, runs_of_tap)) = if whole { self.pair(number, tap) } else { None } {
                     runs[count..count + 2].copy_from_slice(&pair);
                     count += runs_of_tap;
@@ -256,12 +265,13 @@ impl Splitter {
                     outside += batch.texels_per_tap - singles;
                     singles
                 };
+                counts[number] = (count - before) as u8;
                 planes[usize::from(tap.plane)].lookups += read as u64;
             }
         }
         let lookups = batch.taps.len() * batch.texels_per_tap - outside;
-        self.runs = runs;
-        (&self.runs[..count], lookups as u64)
+        (self.runs, self.counts) = (runs, counts);
+        (Runs { runs: &self.runs[..count], counts: &self.counts }, lookups as u64)
     }
 
     /// One or two runs that four texels make, and how many; `None` if they make more, or some are outside.

@@ -10,7 +10,7 @@ use crate::{
 
 use super::{
     Cache, Counters, Geometry, GeometryError, LineUse, Marks, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
-    Run, RunHits, RunObserver, ShadowHits, Splitter, Told,
+    Run, RunHits, RunObserver, Runs, ShadowHits, Splitter, Told,
 };
 
 /// Which of the dearer counters to keep. What is not kept costs nothing and reads 0.
@@ -217,7 +217,7 @@ impl TexelCache {
 impl TexelCache {
     /// Reads the taps of a batch, of a layout that keeps a texel together, with someone watching. The answer is the runs it read.
     #[inline]
-    pub(crate) fn take_observed(&mut self, batch: Batch<'_>, observer: &mut impl RunObserver) -> &[Run] {
+    pub(crate) fn take_observed(&mut self, batch: Batch<'_>, observer: &mut impl RunObserver) -> Runs<'_> {
         let planes = batch.surface.planes.len();
         if self.planes.len() < planes {
             self.planes.resize(planes, PlaneCounters::default());
@@ -230,11 +230,11 @@ impl TexelCache {
                 if line_use.told() == Told::Bits =>
             {
                 let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, taps };
-                self.cache.access_runs(runs, lookups, &mut (watch, observer));
+                self.cache.access_runs(runs.runs, lookups, &mut (watch, observer));
             }
             meter => {
                 let watch = &mut SomeWatch { meter, planes, taps };
-                self.cache.access_runs(runs, lookups, &mut (watch, observer));
+                self.cache.access_runs(runs.runs, lookups, &mut (watch, observer));
             }
         }
         runs

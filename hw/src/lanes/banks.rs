@@ -1,4 +1,4 @@
-//! Which taps read four words of as many data banks (see `timing::data_banks`), eight taps at a time.
+//! Which banks taps of four texels read (see `timing::data_banks` and `timing::passing`), eight taps at a time.
 
 use core::arch::x86_64::*;
 
@@ -9,36 +9,55 @@ use crate::address::Footprint;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BankLanes {
     machine: Avx2,
-    word_shift: u32,
-    /// Banks less one.
-    bank_mask: u32,
+    words: Banks,
+    lines: Banks,
+}
+
+/// Of a word or line of two to the power of `shift` bytes, its bank: the bits of its number in `mask`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Banks {
+    shift: u32,
+    mask: u32,
 }
 
 impl BankLanes {
-    /// For words of two to the power of `word_shift` bytes in a power of two of banks, at most 32, one after the other.
-    pub(crate) fn new(word_shift: u32, banks: u32) -> Option<Self> {
-        let suits = banks.is_power_of_two() && banks <= 32 && word_shift < 32;
-        Avx2::detect().filter(|_| suits).map(|machine| Self { machine, word_shift, bank_mask: banks - 1 })
+    /// For words, and lines, of two to the power of so many bytes in so many banks, one after the other: powers of two, at most 32.
+    pub(crate) fn new(words: [u32; 2], lines: [u32; 2]) -> Option<Self> {
+        let suits = [words, lines].iter().all(|&[shift, banks]| banks.is_power_of_two() && banks <= 32 && shift < 32);
+        let banks = |[shift, banks]: [u32; 2]| Banks { shift, mask: banks - 1 };
+        Avx2::detect().filter(|_| suits).map(|machine| Self { machine, words: banks(words), lines: banks(lines) })
     }
 
-    /// A bit a tap, set where its four words are in four banks; none if an address is beyond 32 bits.
+    /// Whether the four words of each tap are in four banks; and of each tap, 1 if its first and its last texel are in two lines of one bank. Nothing
+    /// if an address is beyond 32 bits.
     #[inline(always)]
-    pub(crate) fn apart(self, taps: &[Footprint; LANES]) -> Option<u8> {
-        self.machine.apart(taps, self.word_shift, self.bank_mask)
+    pub(crate) fn look(self, taps: &[Footprint; LANES]) -> Option<(bool, [u8; LANES])> {
+        self.machine.look_at_banks(taps, [self.words, self.lines])
     }
 }
 
-/// [`BankLanes::apart`].
+/// [`BankLanes::look`].
 #[target_feature(enable = "avx2")]
-pub(super) fn apart(m: Avx2, taps: &[Footprint; LANES], word_shift: u32, bank_mask: u32) -> Option<u8> {
+pub(super) fn look(m: Avx2, taps: &[Footprint; LANES], [words, lines]: [Banks; 2]) -> Option<(bool, [u8; LANES])> {
     let corners = low_words(m, taps)?;
-    let shift = _mm_cvtsi32_si128(word_shift as i32);
-    let mask = _mm256_set1_epi32(bank_mask as i32);
-    let bank =
-        |corner| _mm256_sllv_epi32(_mm256_set1_epi32(1), _mm256_and_si256(_mm256_srl_epi32(corner, shift), mask));
+    let splat = |word: u32| _mm256_set1_epi32(word as i32);
+    let number = |corner, of: Banks| _mm256_srl_epi32(corner, _mm_cvtsi32_si128(of.shift as i32));
+    let bank = |corner| _mm256_sllv_epi32(splat(1), _mm256_and_si256(number(corner, words), splat(words.mask)));
     let [a, b, c, d] = corners.map(bank);
     // Different powers of two have the same sum as union, and no others do: of two equal ones the sum is larger.
     let sum = _mm256_add_epi32(_mm256_add_epi32(a, b), _mm256_add_epi32(c, d));
     let union = _mm256_or_si256(_mm256_or_si256(a, b), _mm256_or_si256(c, d));
-    Some(_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(sum, union))) as u8)
+    let lanes = |x| _mm256_movemask_ps(_mm256_castsi256_ps(x)) as u32;
+    let apart = lanes(_mm256_cmpeq_epi32(sum, union)) == 0xFF;
+
+    let difference = _mm256_xor_si256(number(corners[0], lines), number(corners[3], lines));
+    let none = |x| _mm256_cmpeq_epi32(x, splat(0));
+    let clash = _mm256_andnot_si256(none(difference), none(_mm256_and_si256(difference, splat(lines.mask))));
+    Some((apart, bytes(lanes(clash)).to_le_bytes()))
+}
+
+/// A byte for each of eight bits, the lowest first.
+const fn bytes(bits: u32) -> u64 {
+    let each = bits as u64 * (u64::MAX / 255) & 0x8040_2010_0804_0201;
+    (each + 0x7F7F_7F7F_7F7F_7F7F) >> 7 & (u64::MAX / 255)
 }

@@ -62,7 +62,14 @@ impl RunLanes {
         None
     }
 
-    pub(crate) fn write(self, _: &[[Footprint; 8]], _: u32, _: RunShape, _: &mut [Run]) -> (usize, usize) {
+    pub(crate) fn write(
+        self,
+        _: &[[Footprint; 8]],
+        _: u32,
+        _: RunShape,
+        _: &mut [Run],
+        _: &mut [u8],
+    ) -> (usize, usize) {
         match self.0 {}
     }
 }
@@ -104,11 +111,11 @@ impl UseLanes {
 pub(crate) struct BankLanes(core::convert::Infallible);
 
 impl BankLanes {
-    pub(crate) fn new(_: u32, _: u32) -> Option<Self> {
+    pub(crate) fn new(_: [u32; 2], _: [u32; 2]) -> Option<Self> {
         None
     }
 
-    pub(crate) fn apart(self, _: &[Footprint; 8]) -> Option<u8> {
+    pub(crate) fn look(self, _: &[Footprint; 8]) -> Option<(bool, [u8; 8])> {
         match self.0 {}
     }
 }

@@ -38,7 +38,7 @@ impl RunLanes {
     }
 
     /// Writes the runs of taps, the first of which has the number `first`, in lines of at most 32 texels, up to a tap that has an address beyond 32
-    /// bits, or more than one run in a line. How many eights of taps it was, and how many runs.
+    /// bits, or more than one run in a line, and how many runs each tap has. How many eights of taps it was, and how many runs.
     ///
     /// # Panics
     /// If there are not [`PLACES`] beyond those of runs written before, of which a tap has four at most.
@@ -49,8 +49,9 @@ impl RunLanes {
         first: u32,
         shape: RunShape,
         runs: &mut [Run],
+        counts: &mut [u8],
     ) -> (usize, usize) {
-        self.0.write_runs(taps, first, shape, runs)
+        self.0.write_runs(taps, first, shape, runs, counts.as_chunks_mut().0)
     }
 }
 
@@ -62,6 +63,7 @@ pub(super) fn write(
     first: u32,
     shape: RunShape,
     runs: &mut [Run],
+    counts: &mut [[u8; LANES]],
 ) -> (usize, usize) {
     let line_shift = _mm_cvtsi32_si128(shape.line_shift.cast_signed());
     let texel_shift = _mm_cvtsi32_si128(shape.texel_shift.cast_signed());
@@ -72,7 +74,7 @@ pub(super) fn write(
     let lanes = |x| _mm256_movemask_ps(_mm256_castsi256_ps(x)) as u32;
     let mut numbers = m.add(m.splat(first.cast_signed()), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
     let mut count = 0;
-    for (number, eight) in taps.iter().enumerate() {
+    for (number, (eight, counts)) in taps.iter().zip(counts).enumerate() {
         let Some(corners) = low_words(m, eight) else { return (number, count) };
         let line = |corner| _mm256_srl_epi32(corner, line_shift);
         let mark = |corner| _mm256_sllv_epi32(m.splat(1), both(_mm256_srl_epi32(corner, texel_shift), in_line));
@@ -117,6 +119,7 @@ pub(super) fn write(
         // Runs up to each tap: one, and another, and another two.
         let ends = UP_TO[0xFF] + UP_TO[(lanes(one) ^ 0xFF) as usize] + 2 * UP_TO[(lanes(two) ^ 0xFF) as usize];
         let begins = ends << 8;
+        *counts = (ends - begins).to_le_bytes();
         let places: &mut [Run; PLACES] = runs[count..].first_chunk_mut().expect("room for eight taps");
         for tap in 0..LANES {
             let [first, second, third, fourth] = quarters.map(|quarter| quarter[tap % 4]);

@@ -12,14 +12,15 @@
 //! result, always has a place by the same count.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use super::{
     banks::BankOf,
-    counters::{PlaneTiming, Spread, TimingCounters},
+    counters::{Histograms, PlaneTiming, Spread, TimingCounters},
     data_banks::DataBanks,
     events::{RequestTimes, TapTimes, TimingObserver},
     parameters::{Mode, Parameters},
-    passing::{Now, Passing, Rest, Watched},
+    passing::{AtHand, Passing, Rest, TapClocks, Watched},
     pipeline::{Beside, Counts, count_fifos, latencies, planes_among},
     queue::Fifo,
     taps::Taps,
@@ -54,8 +55,7 @@ pub(super) struct Ample {
 struct Clocks {
     /// By tap.
     issue: Vec<u64>,
-    tag: Vec<u64>,
-    data_done: Vec<u64>,
+    taps: TapClocks,
     watched: Watched,
     /// By request; `issued` and `data` are those of its last tap.
     entry: Vec<u64>,
@@ -134,40 +134,37 @@ impl Ample {
         beside: &'a mut Beside<'_, O>,
     ) -> Passing<'a, T, O> {
         let number = taps.number();
-        let Clocks { tag, data_done, watched, .. } = &mut self.batch;
-        tag.resize(number, 0);
-        data_done.resize(number, 0);
-        watched.clear();
         if beside.planes.len() < taps.planes() {
             beside.planes.resize(taps.planes(), PlaneTiming::default());
         }
+        let Clocks { taps: clocks, watched, .. } = &mut self.batch;
+        clocks.begin(number, beside.planes.len());
+        watched.clear();
         let (places, depth) = self.fragment_fifo.places(number);
-        let mut passing = Passing {
+        Passing {
             taps,
             places,
             depth,
-            tags: tag,
-            data_done,
+            clocks,
             planes: beside.planes,
             misses: beside.misses,
             tag_bank: self.tag_bank,
             all_apart: taps.all_apart(),
             tag_latency: beside.parameters.tag_latency.into(),
-            now: Now { tag_free: self.tag, data_free: self.data, ..Now::default() },
+            tag_free: self.tag,
+            data_free: self.data,
+            spent: 0,
+            at_hand: AtHand::default(),
             rest: Rest {
                 counts: &mut self.counts,
                 data_banks: &mut self.data_banks,
                 line_write: beside.line_write,
                 line_shift: beside.line_shift,
                 watched,
-                repeated: (usize::MAX, 0),
-                lines: [0; 4],
                 free: [&mut self.tag, &mut self.data],
                 observer: core::marker::PhantomData,
             },
-        };
-        passing.enter(0);
-        passing
+        }
     }
 
     /// The rest of their way, in requests that end where `ends` says.
@@ -188,14 +185,14 @@ impl Ample {
         &mut self,
         ends: &[u32],
         taps: &impl Taps,
-        Clocks { issue, tag, data_done, entry, lod, issued, data, result, .. }: &mut Clocks,
-        Beside { parameters, histograms, .. }: &mut Beside<'_, O>,
+        Clocks { issue, taps: TapClocks { tags, data_done, .. }, entry, lod, issued, data, result, .. }: &mut Clocks,
+        Beside { parameters, histograms, planes, .. }: &mut Beside<'_, O>,
     ) {
         let [_, _, _, data_latency, filter_latency] = latencies(parameters);
-        self.tap_fifo.pass_one_a_clock(&mut self.sequencer, tag, issue);
+        self.tap_fifo.pass_one_a_clock(&mut self.sequencer, tags, issue);
         // Another tap can enter the tag unit in the clock after one entered the data unit.
-        let (places, depth) = self.fragment_fifo.places(tag.len());
-        let (issues, frees, dones) = (&issue[..tag.len()], &places[depth..][..tag.len()], &data_done[..tag.len()]);
+        let (places, depth) = self.fragment_fifo.places(tags.len());
+        let (issues, frees, dones) = (&issue[..tags.len()], &places[depth..][..tags.len()], &data_done[..tags.len()]);
         for clocks in [&mut *issued, &mut *data, &mut *result] {
             clocks.resize(ends.len(), 0);
         }
@@ -205,25 +202,14 @@ impl Ample {
             *data = frees[last] - 1;
             *result = dones[last] + data_latency + filter_latency;
         }
-        self.fragment_fifo.entered(tag);
+        self.fragment_fifo.entered(tags);
         self.lod_fifo.pass_one_a_clock(&mut self.lod, issued, lod);
         self.request_fifo.pass_one_a_clock(&mut self.entry, lod, entry);
         self.result_fifo.pass_all(data, result);
         result.iter().zip(entry).for_each(|(result, entry)| self.request_latency.add(result - *entry));
         self.counts.cycles = result[ends.len() - 1] + 1;
 
-        // Most requests are of the same shape as the one before.
-        let (mut begin, mut shape, mut of_shape) = (0, (0, 0), 0);
-        for end in ends.iter().map(|&end| end as usize) {
-            let shape_now = (end - begin, planes_among(taps, begin, end));
-            if shape_now != shape {
-                histograms.add(shape, of_shape);
-                (shape, of_shape) = (shape_now, 0);
-            }
-            of_shape += 1;
-            begin = end;
-        }
-        histograms.add(shape, of_shape);
+        count_requests(ends, taps, histograms, planes);
     }
 
     /// Tells an observer.
@@ -244,11 +230,11 @@ impl Ample {
                     request,
                     plane: taps.plane(at),
                     issue: batch.issue[at],
-                    tag: batch.tag[at],
+                    tag: batch.taps.tags[at],
                     tag_done: batch.watched.tag_done[at],
                     data: batch.watched.data[at],
-                    data_done: batch.data_done[at],
-                    datapath: batch.data_done[at] + u64::from(beside.parameters.data_latency),
+                    data_done: batch.taps.data_done[at],
+                    datapath: batch.taps.data_done[at] + u64::from(beside.parameters.data_latency),
                     misses,
                 });
             }
@@ -257,4 +243,33 @@ impl Ample {
             begin = end;
         }
     }
+}
+
+/// Counts the taps of requests by plane, and requests by taps and planes. Most requests are like the one before.
+fn count_requests(ends: &[u32], taps: &impl Taps, histograms: &mut Histograms, planes: &mut [PlaneTiming]) {
+    let mut add = |request: Range<usize>, times: u64| {
+        if times > 0 {
+            histograms.add((request.len(), planes_among(taps, request.start, request.end)), times);
+        }
+        for tap in request {
+            let row = &mut planes[usize::from(taps.plane(tap))];
+            row.taps += times;
+            row.reads += times * taps.reads(tap);
+        }
+    };
+    let like = |tap: usize, other: usize| taps.plane(tap) == taps.plane(other) && taps.reads(tap) == taps.reads(other);
+    let (mut begin, mut last, mut times) = (0, 0..0, 0);
+    for end in ends.iter().map(|&end| end as usize) {
+        let same = end - begin == last.len()
+            && like(begin, last.start)
+            && like(end - 1, last.end - 1)
+            && (2..last.len()).all(|tap| like(begin + tap - 1, last.start + tap - 1));
+        if !same {
+            add(last, times);
+            (last, times) = (begin..end, 0);
+        }
+        times += 1;
+        begin = end;
+    }
+    add(last, times);
 }

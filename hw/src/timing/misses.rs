@@ -26,8 +26,13 @@ pub(super) struct Misses {
     line: Ask,
     pub(super) decompressor: Option<Decompressor>,
     pub(super) miss_queue: Fifo,
-    pub(super) waiting: Waiting,
+    /// Whether taps behind a miss pass the tag unit before its line is there: the reorder buffer and the miss-status entries are of such machines.
+    prefetching: bool,
+    pub(super) reorder_buffer: Fifo,
     pub(super) status: MissStatus,
+    /// Clocks of the misses of taps that have not been read, and how many of them are of taps that have.
+    unread: Vec<u64>,
+    read: usize,
     pub(super) port: Ledger,
     /// In blocking mode, the first clock the next access can be made in.
     pub(super) unblocked: u64,
@@ -35,28 +40,6 @@ pub(super) struct Misses {
     stored: Vec<StoredFetch>,
     pub(super) stalls: MissStalls,
     pub(super) fill_latency: Spread,
-}
-
-/// Lines that are waited for.
-#[derive(Clone, Debug)]
-pub(super) struct Waiting {
-    /// In blocking mode there is none.
-    prefetching: bool,
-    pub(super) reorder_buffer: Fifo,
-    /// Clocks of the misses of the tap at hand.
-    clocks: [u64; READS_MAX],
-}
-
-impl Waiting {
-    /// The tap at hand, which missed `count` lines, is read in clock `data`.
-    #[inline(always)]
-    pub(super) fn read(&mut self, count: usize, data: u64) {
-        if self.prefetching {
-            for &access in &self.clocks[..count] {
-                self.reorder_buffer.pass(access, data + 1);
-            }
-        }
-    }
 }
 
 /// Clocks by what held a miss up.
@@ -89,11 +72,10 @@ impl Misses {
             line_shift: geometry.line.trailing_zeros(),
             tag_latency: p.tag_latency.into(),
             miss_queue: Fifo::new(p.miss_queue),
-            waiting: Waiting {
-                prefetching: p.mode == Mode::Prefetching,
-                reorder_buffer: Fifo::new(p.reorder_buffer),
-                clocks: [0; READS_MAX],
-            },
+            prefetching: p.mode == Mode::Prefetching,
+            reorder_buffer: Fifo::new(p.reorder_buffer),
+            unread: Vec::new(),
+            read: 0,
             status: MissStatus::new(p.miss_status, p.merges, geometry.lines() as usize),
             port: Ledger::default(),
             unblocked: 0,
@@ -104,22 +86,21 @@ impl Misses {
     }
 
     /// An access that misses `line`, which comes to `slot`, the tag unit being free for it from `clock` on and its clocks entered to
-    /// before `next`; its tap has missed `earlier` lines before.
+    /// before `next`.
     #[inline(always)]
     pub(super) fn miss(
         &mut self,
         line: u64,
         slot: u32,
         mut clock: u64,
-        earlier: usize,
         next: u64,
         row: &mut PlaneTiming,
     ) -> Missed {
         let mut tag = Ledger::at(next);
-        if self.waiting.prefetching {
-            let room = self.waiting.reorder_buffer.room_ahead(earlier);
+        if self.prefetching {
+            let room = self.reorder_buffer.room_ahead(self.unread.len() - self.read);
             tag.stall_until(room, &mut self.stalls.reorder_buffer);
-            let entry = self.status.room(clock.max(room));
+            let entry = self.status.room();
             tag.stall_until(entry, &mut self.stalls.miss_status);
             clock = clock.max(entry);
         }
@@ -139,17 +120,39 @@ impl Misses {
         };
         self.miss_queue.pass(clock, fetch.taken + 1);
         self.status.fill(slot, fetch.filled);
-        if self.waiting.prefetching {
+        if self.prefetching {
             self.status.hold(clock, fetch.filled + 1);
+            self.unread.push(clock);
         } else {
             self.unblocked = fetch.filled + 1;
         }
-        self.waiting.clocks[earlier] = clock;
 
         self.fill_latency.add(fetch.filled - clock);
         row.fetches_failed += 1;
         row.fill_latency_sum += fetch.filled - clock;
         Missed { clock, fetch, next: tag.next() }
+    }
+
+    /// Whether another tap may pass the tag unit before those in front of it are read: not if it could need a place of the reorder buffer that one of them
+    /// holds.
+    #[inline(always)]
+    pub(super) fn have_room(&self) -> bool {
+        self.unread.is_empty() || self.unread.len() + READS_MAX <= self.reorder_buffer.depth()
+    }
+
+    /// The next tap that missed lines, which are so many, is read in clock `data`.
+    #[inline(always)]
+    pub(super) fn read(&mut self, count: usize, data: u64) {
+        if self.prefetching {
+            for &access in &self.unread[self.read..][..count] {
+                self.reorder_buffer.pass(access, data + 1);
+            }
+            self.read += count;
+            if self.read == self.unread.len() {
+                self.unread.clear();
+                self.read = 0;
+            }
+        }
     }
 
     /// Asks the memory once.

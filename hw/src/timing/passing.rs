@@ -1,85 +1,84 @@
 //! Taps on their way through the tag and the data unit of a machine of [`Ample`](super::ample::Ample)'s kind.
+//!
+//! A tap waits for the fragment FIFO as long as the tap that many before it is not at its data, so as many taps as that is deep can pass the tag unit before
+//! any passes the data unit: a loop for each unit, and in it only what that unit does.
 
 use alloc::vec::Vec;
-use core::cell::Cell;
+use core::ops::Range;
 
 use super::{
     banks::BankOf,
     counters::PlaneTiming,
     data_banks::DataBanks,
     events::{FillTimes, StoredFetch, TimingObserver},
-    miss_status::StatusHits,
-    misses::{Misses, Waiting},
+    misses::Misses,
     pipeline::Counts,
+    plain::Plain,
     slots::Slots,
     tap_reads::Access,
     taps::Taps,
 };
-use crate::cache::Run;
+use crate::cache::{Run, Runs};
 
-/// The taps of a batch on their way, and the one at hand.
+/// The taps of a batch on their way.
 pub(super) struct Passing<'a, T, O> {
     pub(super) taps: &'a T,
-    /// Places of the fragment FIFO.
+    /// Places of the fragment FIFO: by tap, when it finds one, and `depth` behind, when another can take it.
     pub(super) places: &'a mut [u64],
     pub(super) depth: usize,
-    /// Clocks of the batch.
-    pub(super) tags: &'a mut [u64],
-    pub(super) data_done: &'a mut [u64],
+    pub(super) clocks: &'a mut TapClocks,
     pub(super) planes: &'a mut [PlaneTiming],
     pub(super) misses: &'a mut Misses,
     pub(super) tag_bank: BankOf,
     pub(super) all_apart: bool,
     pub(super) tag_latency: u64,
-    pub(super) now: Now,
-    pub(super) rest: Rest<'a, O>,
-}
-
-/// What the tag and the data unit are at.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Now {
     /// First clocks the units are free in.
     pub(super) tag_free: u64,
     pub(super) data_free: u64,
-    /// The tap at hand: its plane, the clock of its last access so far, and the banks with an access in that clock.
-    pub(super) tap: usize,
-    pub(super) plane: usize,
-    pub(super) done: u64,
-    pub(super) banks_taken: u64,
-    /// Its accesses that hit, and in the upper half how many of them were merged.
-    pub(super) hits: u64,
+    /// Clocks that taps spent in the tag unit beyond one each.
+    pub(super) spent: u64,
+    pub(super) at_hand: AtHand,
+    pub(super) rest: Rest<'a, O>,
+}
+
+/// When the taps of a batch pass the units.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TapClocks {
+    /// By tap: when it enters the tag unit, when it is at the door of the data unit with all its lines there, and when its last word is read.
+    pub(super) tags: Vec<u64>,
+    pub(super) ready: Vec<u64>,
+    pub(super) data_done: Vec<u64>,
+    /// Those that have missed lines and not passed the data unit.
+    waiting: Vec<Waiting>,
+    /// By plane, accesses that hit, and merged ones.
+    hits: Vec<u64>,
+}
+
+/// A tap that has missed lines.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    tap: usize,
+    missed: usize,
+    /// When it is at the door of the data unit, lines or not.
+    door: u64,
+}
+
+/// The tap in the tag unit.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct AtHand {
+    number: usize,
+    plane: usize,
+    /// The clock of its last access so far, and the banks with an access in that clock.
+    done: u64,
+    banks_taken: u64,
     /// How many lines it missed, and when the last of them is there.
-    pub(super) missed: usize,
-    pub(super) filled: u64,
-
-    pub(super) waited: u64,
-    pub(super) conflicts: u64,
+    missed: usize,
+    filled: u64,
 }
 
-/// What taps need that hit and wait for nothing: laid open and by value, for as long as there are such.
-pub(super) struct Hits<'h, T> {
-    taps: &'h T,
-    /// By tap: the room it finds in the fragment FIFO, when its place can be taken again, and its clocks. All of one length, of which a compiler
-    /// then looks at one.
-    rooms: &'h [Cell<u64>],
-    frees: &'h [Cell<u64>],
-    tags: &'h mut [u64],
-    data_done: &'h mut [u64],
-    planes: &'h mut [PlaneTiming],
-    status: StatusHits<'h>,
-    tag_bank: BankOf,
-    all_apart: bool,
-    /// Whether nobody must be told of taps.
-    unwatched: bool,
-    waiting: &'h mut Waiting,
-    data_banks: &'h mut DataBanks,
-    counts: &'h mut Counts,
-    line_write: u64,
-    tag_latency: u64,
-    now: Now,
-    /// Where that comes back to.
-    back: &'h mut Now,
-}
+/// A hit, and a merged one, as they are counted by plane.
+pub(super) const HIT: u64 = 1;
+pub(super) const MERGED: u64 = 1 << 32;
 
 /// What is not used for every access.
 pub(super) struct Rest<'a, O> {
@@ -89,268 +88,254 @@ pub(super) struct Rest<'a, O> {
     pub(super) line_shift: u32,
     /// For an observer.
     pub(super) watched: &'a mut Watched,
-    /// A tap that may access a line more than once, and how many it has accessed, these.
-    pub(super) repeated: (usize, usize),
-    pub(super) lines: [u64; 4],
     /// Where the first clocks the units are free in come back to.
     pub(super) free: [&'a mut u64; 2],
     pub(super) observer: core::marker::PhantomData<O>,
 }
 
-/// A tap of so many lines missed is at the door of the data unit, and waits until they are there. They are written, and the answer is when it
-/// is taken. Not a method: what is in registers must not be written for it.
-#[inline(never)]
-fn wait_and_write(waiting: &mut Waiting, counts: &mut Counts, [door, filled, writes]: [u64; 3], missed: usize) -> u64 {
-    let data = door.max(filled);
-    counts.data_stall_fill += data - door;
-    counts.fill_write_clocks += writes;
-    waiting.read(missed, data);
-    data
-}
-
-/// The clock of the last word of a tap whose reads begin at `begin`. Not a method, as above.
-#[inline(never)]
-fn read(data_banks: &mut DataBanks, counts: &mut Counts, addresses: &[u64], begin: u64) -> u64 {
-    let (done, words) = data_banks.read(addresses, begin);
-    counts.data_words += words;
-    counts.data_conflict_clocks += done - begin;
-    done
-}
-
-impl<T: Taps> Hits<'_, T> {
-    /// The next access is a hit of this tap; false if it must be made otherwise.
-    #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) -> bool {
-        if !run.is_plainly_of(self.now.tap) {
-            let tap = run.tap();
-            if !run.is_plainly_of(self.now.tap + 1) || !self.unwatched {
-                return false;
-            }
-            self.leave();
-            self.enter(tap);
+impl TapClocks {
+    /// Room for so many taps, of so many planes.
+    pub(super) fn begin(&mut self, taps: usize, planes: usize) {
+        for clocks in [&mut self.tags, &mut self.ready, &mut self.data_done] {
+            clocks.resize(taps, 0);
         }
-        self.access(run.line, slot)
-    }
-
-    /// That was the last one.
-    #[inline(always)]
-    fn close(self) {
-        *self.back = self.now;
-    }
-
-    /// The next tap, which is this, enters the tag unit.
-    #[inline(always)]
-    fn enter(&mut self, tap: usize) {
-        let now = &mut self.now;
-        let tag = now.tag_free.max(self.rooms[tap].get());
-        now.waited += tag - now.tag_free;
-        self.tags[tap] = tag;
-        (now.tap, now.plane, now.done) = (tap, usize::from(self.taps.plane(tap)), tag);
-        (now.banks_taken, now.hits) = (0, 0);
-    }
-
-    /// The tap at hand leaves it, and passes the data unit; when that takes it.
-    #[inline(always)]
-    fn leave(&mut self) -> u64 {
-        let now = &mut self.now;
-        let row = &mut self.planes[now.plane];
-        let door = now.data_free.max(now.done + self.tag_latency);
-        let (mut data, mut data_done) = (door, door);
-        if now.missed > 0 {
-            let writes = now.missed as u64 * self.line_write;
-            data = wait_and_write(self.waiting, self.counts, [door, now.filled, writes], now.missed);
-            data_done = data + writes;
-            row.stall_wait_read += data - door;
-            now.missed = 0;
-        }
-        if !self.all_apart {
-            data_done = read(self.data_banks, self.counts, self.taps.addresses(now.tap), data_done);
-        }
-        row.taps += 1;
-        row.reads += self.taps.reads(now.tap);
-        row.fetches_ok += now.hits & 0xFFFF_FFFF;
-        row.fetches_merged += now.hits >> 32;
-        self.data_done[now.tap] = data_done;
-        self.frees[now.tap].set(data + 1);
-        (now.tag_free, now.data_free) = (now.done + 1, data_done + 1);
-        data
-    }
-
-    /// A hit of the tap at hand that waits for nothing; false of one that does.
-    #[inline(always)]
-    fn access(&mut self, line: u64, slot: u32) -> bool {
-        let now = &mut self.now;
-        let bank = self.tag_bank.bank(line);
-        let conflict = now.banks_taken >> bank & 1;
-        let clock = now.done + conflict;
-        let Some(merged) = self.status.hit(slot, clock) else { return false };
-        now.conflicts += conflict;
-        now.hits += 1 + (u64::from(merged) << 32);
-        now.banks_taken = now.banks_taken & conflict.wrapping_sub(1) | 1 << bank;
-        now.done = clock;
-        true
+        self.hits.resize(planes, 0);
     }
 }
 
 impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
-    /// Lays open what hits need.
+    /// A tap enters the tag unit.
     #[inline(always)]
-    fn open(&mut self) -> Hits<'_, T> {
-        let number = self.taps.number();
-        let places = Cell::from_mut(&mut *self.places).as_slice_of_cells();
-        Hits {
-            taps: self.taps,
-            rooms: &places[..number],
-            frees: &places[self.depth..][..number],
-            tags: &mut self.tags[..number],
-            data_done: &mut self.data_done[..number],
-            planes: self.planes,
-            status: self.misses.status.hits(),
-            tag_bank: self.tag_bank,
-            all_apart: self.all_apart,
-            unwatched: !O::WATCHES,
-            waiting: &mut self.misses.waiting,
-            data_banks: self.rest.data_banks,
-            counts: self.rest.counts,
-            line_write: self.rest.line_write,
-            tag_latency: self.tag_latency,
-            now: self.now,
-            back: &mut self.now,
-        }
+    fn enter(&mut self, number: usize) {
+        let tag = self.tag_free.max(self.places[number]);
+        self.clocks.tags[number] = tag;
+        self.at_hand = AtHand { number, plane: self.taps.plane(number).into(), done: tag, ..AtHand::default() };
     }
 
-    /// The next tap, which is this, enters the tag unit.
-    pub(super) fn enter(&mut self, tap: usize) {
-        let mut hits = self.open();
-        hits.enter(tap);
-        hits.close();
-    }
-
-    /// The tap at hand leaves it, and passes the data unit.
+    /// The tap at hand leaves it.
+    #[inline(always)]
     fn leave(&mut self) {
-        let tag_done = self.now.done;
-        let mut hits = self.open();
-        let data = hits.leave();
-        hits.close();
+        let AtHand { number, done, missed, filled, .. } = self.at_hand;
+        self.spent += done - self.clocks.tags[number];
+        let door = done + self.tag_latency;
+        self.clocks.ready[number] = door.max(filled);
+        if missed > 0 {
+            self.clocks.waiting.push(Waiting { tap: number, missed, door });
+        }
+        self.tag_free = done + 1;
         if O::WATCHES {
-            self.rest.watched.tag_done.push(tag_done);
-            self.rest.watched.data.push(data);
+            self.rest.watched.tag_done.push(done);
         }
-    }
-
-    /// What follows is of this tap.
-    #[inline(never)]
-    fn go_to(&mut self, tap: usize) {
-        while self.now.tap != tap {
-            self.leave();
-            self.enter(self.now.tap + 1);
-        }
-    }
-
-    #[inline(never)]
-    fn hits(&mut self, line: u64, slot: u32) {
-        let mut hits = self.open();
-        let made = hits.access(line, slot);
-        hits.close();
-        if !made {
-            self.waits_to_merge(line, slot);
-        }
-    }
-
-    /// The first clock of the tag unit without an entry: another bank may be accessed in the clock of the access before.
-    fn next(&self) -> u64 {
-        self.now.done + u64::from(self.now.banks_taken != 0)
     }
 
     /// The bank of a line, and the first clock from that of the access before on in which it can be accessed, in which it is counted.
+    #[inline(always)]
     fn clock(&mut self, line: u64) -> (usize, u64) {
         let bank = self.tag_bank.bank(line);
-        let conflict = self.now.banks_taken >> bank & 1;
-        self.now.conflicts += conflict;
-        (bank, self.now.done + conflict)
+        let conflict = self.at_hand.banks_taken >> bank & 1;
+        self.rest.counts.tag_bank_conflicts += conflict;
+        (bank, self.at_hand.done + conflict)
     }
 
-    /// A hit that is made when the line is there.
-    fn waits_to_merge(&mut self, line: u64, slot: u32) {
-        let (bank, clock) = self.clock(line);
-        let (made, _) = self.misses.status.hit(slot, clock);
-        self.now.hits += 1;
-        self.rest.counts.tag_stall_merge += made - self.next();
-        (self.now.banks_taken, self.now.done) = (1 << bank, made);
+    /// The first clock of the tag unit without an entry: another bank may be accessed in the clock of the access before.
+    #[inline(always)]
+    fn next(&self) -> u64 {
+        self.at_hand.done + u64::from(self.at_hand.banks_taken != 0)
     }
 
-    #[inline(never)]
-    fn misses(&mut self, line: u64, slot: u32) {
+    /// An access was made in this clock.
+    #[inline(always)]
+    fn accessed(&mut self, bank: usize, clock: u64) {
+        let tap = &mut self.at_hand;
+        tap.banks_taken = if clock == tap.done { tap.banks_taken } else { 0 } | 1 << bank;
+        tap.done = clock;
+    }
+
+    /// A hit, which may have to wait until the line is there.
+    #[inline(always)]
+    fn hit(&mut self, line: u64, slot: u32) {
         let (bank, clock) = self.clock(line);
-        let (next, now) = (self.next(), &mut self.now);
-        let miss = self.misses.miss(line, slot, clock, now.missed, next, &mut self.planes[now.plane]);
-        now.filled = if now.missed == 0 { miss.fetch.filled } else { now.filled.max(miss.fetch.filled) };
-        now.missed += 1;
+        let (made, merged) = self.misses.status.hit(slot, clock);
+        if made > clock {
+            self.rest.counts.tag_stall_merge += made - self.next();
+        }
+        self.clocks.hits[self.at_hand.plane] += HIT + u64::from(merged) * MERGED;
+        self.accessed(bank, made);
+    }
+
+    #[inline(always)]
+    fn miss(&mut self, line: u64, slot: u32) {
+        let (bank, clock) = self.clock(line);
+        let (next, plane) = (self.next(), self.at_hand.plane);
+        let miss = self.misses.miss(line, slot, clock, next, &mut self.planes[plane]);
+        self.at_hand.filled = self.at_hand.filled.max(miss.fetch.filled);
+        self.at_hand.missed += 1;
         if O::WATCHES {
-            let (tap, address) = (self.rest.counts.taps + now.tap as u64, line << self.rest.line_shift);
-            let fill = FillTimes { tap, plane: now.plane as u16, address, access: miss.clock, fetch: miss.fetch };
+            let (tap, address) = (self.rest.counts.taps + self.at_hand.number as u64, line << self.rest.line_shift);
+            let fill = FillTimes { tap, plane: plane as u16, address, access: miss.clock, fetch: miss.fetch };
             self.rest.watched.fills.push((fill, self.misses.stored().into()));
         }
-        now.banks_taken = if miss.clock == now.done { now.banks_taken } else { 0 } | 1 << bank;
-        now.done = miss.clock;
+        self.accessed(bank, miss.clock);
     }
 
-    /// Whether the tap at hand has accessed a line before this access.
-    fn has_accessed(&mut self, line: u64) -> bool {
-        let Rest { repeated: (tap, count), lines, .. } = &mut self.rest;
-        let before = if *tap == self.now.tap { *count } else { 0 };
-        let has = lines.iter().take(before).fold(false, |has, &before| has | (before == line));
-        if let Some(place) = lines.get_mut(before) {
-            *place = line;
-        }
-        (*tap, *count) = (self.now.tap, before + 1);
-        has
-    }
-
-    /// All runs of the taps, and the slots of their lines. The texels of a run after the first hit the line the first accessed.
-    pub(super) fn pass_runs(mut self, runs: &[Run], slots: &[u32]) {
-        let mut accesses = runs.iter().zip(slots.iter().copied());
-        loop {
-            let mut hits = self.open();
-            let other = accesses.find(|&(run, slot)| slot & Slots::MISSED != 0 || !hits.hit(run, slot));
-            hits.close();
-            let Some((run, slot)) = other else { break };
-            self.go_to(run.tap());
-            let again = run.is_repeated() && self.has_accessed(run.line);
+    /// Any tap of so many runs passes the tag unit, of whose runs and those of the taps behind it these are the slots. The texels of a run after the first
+    /// hit the line the first accessed.
+    #[inline(never)]
+    fn pass_one(&mut self, tap: usize, runs: &[Run], slots: &[u32]) {
+        self.enter(tap);
+        for (number, (run, &slot)) in runs.iter().zip(slots).enumerate() {
             if slot & Slots::MISSED != 0 {
-                self.misses(run.line, slot & !Slots::MISSED);
-            } else if !again {
-                self.hits(run.line, slot);
+                self.miss(run.line, slot & !Slots::MISSED);
+            } else if !(run.is_repeated() && runs[..number].iter().any(|before| before.line == run.line)) {
+                self.hit(run.line, slot);
             }
+        }
+        self.leave();
+    }
+
+    /// Plain taps of these pass the tag unit, the first of whose slots these are. The first other tap, and how many slots are before its own.
+    #[inline(always)]
+    fn pass_plain(&mut self, taps: Range<usize>, counts: &[u8], clashes: &[u8], slots: &[u32]) -> (usize, usize) {
+        let Range { start, end } = taps;
+        let mut plain = Plain {
+            counts: &counts[start..end],
+            clashes: &clashes[start..],
+            rooms: &self.places[start..],
+            tags: &mut self.clocks.tags[start..],
+            ready: &mut self.clocks.ready[start..],
+            hits: &mut self.clocks.hits,
+            status: self.misses.status.hits(),
+            tag_latency: self.tag_latency,
+            tag_free: self.tag_free,
+            conflicts: 0,
+        };
+        let (passed, accesses) = plain.pass(self.taps.planes_from(start), slots);
+        let conflicts = plain.conflicts;
+        self.tag_free = plain.tag_free;
+        self.spent += conflicts;
+        self.rest.counts.tag_bank_conflicts += conflicts;
+        if O::WATCHES {
+            let done = self.clocks.ready[start..][..passed].iter().map(|ready| ready - self.tag_latency);
+            self.rest.watched.tag_done.extend(done);
+        }
+        (start + passed, accesses)
+    }
+
+    /// Taps that have passed the tag unit pass the data unit.
+    #[inline(always)]
+    fn read(&mut self, taps: Range<usize>) {
+        let Rest { counts, data_banks, line_write, .. } = &mut self.rest;
+        let TapClocks { ready, data_done, waiting, .. } = &mut *self.clocks;
+        let (ready, data_done) = (&ready[taps.clone()], &mut data_done[taps.clone()]);
+        let frees = &mut self.places[self.depth..][taps.clone()];
+        let mut free = self.data_free;
+        if self.all_apart && *line_write == 0 {
+            for ((&ready, data_done), place) in ready.iter().zip(&mut *data_done).zip(frees.iter_mut()) {
+                let data = free.max(ready);
+                free = data + 1;
+                (*data_done, *place) = (data, free);
+            }
+        } else {
+            let mut waiting = waiting.iter().peekable();
+            for (tap, ((&ready, data_done), place)) in
+                taps.clone().zip(ready.iter().zip(&mut *data_done).zip(frees.iter_mut()))
+            {
+                let data = free.max(ready);
+                // What it missed is written, and then it is read.
+                let missed = waiting.next_if(|waiting| waiting.tap == tap).map_or(0, |waiting| waiting.missed);
+                let begin = data + missed as u64 * *line_write;
+                counts.fill_write_clocks += begin - data;
+                let (mut done, mut words) = (begin, 0);
+                if !self.all_apart {
+                    (done, words) = data_banks.read(self.taps.addresses(tap), begin);
+                }
+                counts.data_words += words;
+                counts.data_conflict_clocks += done - begin;
+                free = done + 1;
+                (*data_done, *place) = (done, data + 1);
+            }
+        }
+        for Waiting { tap, missed, door } in waiting.drain(..) {
+            let number = tap - taps.start;
+            let before = if number == 0 { self.data_free } else { data_done[number - 1] + 1 };
+            let data = frees[number] - 1;
+            let waited = data - door.max(before);
+            counts.data_stall_fill += waited;
+            self.planes[usize::from(self.taps.plane(tap))].stall_wait_read += waited;
+            self.misses.read(missed, data);
+        }
+        self.data_free = free;
+    }
+
+    /// As many of these taps, at least one, as can pass the tag unit before any of them passes the data unit pass both, each as `pass` says; where the rest
+    /// of them begin.
+    #[inline(always)]
+    fn pass_some(&mut self, taps: Range<usize>, mut pass: impl FnMut(&mut Self, usize, usize) -> usize) -> usize {
+        let end = taps.end.min(taps.start + self.depth);
+        let mut tap = taps.start;
+        while tap < end && self.misses.have_room() {
+            tap = pass(self, tap, end);
+        }
+        self.read(taps.start..tap);
+        tap
+    }
+
+    /// All taps, their runs, whether two lines of a tap of two are in one bank, and the slots of their lines.
+    pub(super) fn pass_runs(mut self, Runs { runs, counts }: Runs<'_>, clashes: &[u8], slots: &[u32]) {
+        let (mut begin, number, mut at) = (0, self.taps.number(), 0);
+        while begin < number {
+            begin = self.pass_some(begin..number, |passing, tap, end| {
+                let (tap, passed) = passing.pass_plain(tap..end, counts, clashes, &slots[at..]);
+                at += passed;
+                if tap == end {
+                    return tap;
+                }
+                let next = at + usize::from(counts[tap]);
+                passing.pass_one(tap, &runs[at..next], &slots[at..next]);
+                at = next;
+                tap + 1
+            });
         }
         self.finish();
     }
 
-    /// All line accesses of the taps.
+    /// All taps, and their line accesses.
     pub(super) fn pass(mut self, accesses: &[Access]) {
-        for access in accesses {
-            self.go_to(access.tap as usize);
-            if access.hit {
-                self.hits(access.line, access.slot);
-            } else {
-                self.misses(access.line, access.slot);
-            }
+        let mut accesses = accesses.iter().peekable();
+        let (mut begin, number) = (0, self.taps.number());
+        while begin < number {
+            begin = self.pass_some(begin..number, |passing, tap, _| {
+                passing.enter(tap);
+                while let Some(access) = accesses.next_if(|access| access.tap as usize == tap) {
+                    if access.hit {
+                        passing.hit(access.line, access.slot);
+                    } else {
+                        passing.miss(access.line, access.slot);
+                    }
+                }
+                passing.leave();
+                tap + 1
+            });
         }
         self.finish();
     }
 
     /// There are no more.
-    pub(super) fn finish(mut self) {
-        let number = self.taps.number();
-        self.go_to(number - 1);
-        self.leave();
-        let Rest { counts, free: [tag_free, data_free], .. } = self.rest;
-        counts.tag_stall_fragment_fifo += self.now.waited;
-        counts.tag_bank_conflicts += self.now.conflicts;
+    fn finish(self) {
+        let (number, Rest { counts, watched, free: [tag_free, data_free], .. }) = (self.taps.number(), self.rest);
+        counts.tag_stall_fragment_fifo += self.tag_free - *tag_free - number as u64 - self.spent;
         if self.all_apart {
             counts.data_words += (0..number).map(|tap| self.taps.reads(tap)).sum::<u64>();
         }
-        (*tag_free, *data_free) = (self.now.tag_free, self.now.data_free);
+        if O::WATCHES {
+            watched.data.extend(self.places[self.depth..].iter().map(|free| free - 1));
+        }
+        for (row, hits) in self.planes.iter_mut().zip(&mut self.clocks.hits) {
+            row.fetches_ok += *hits % MERGED;
+            row.fetches_merged += *hits / MERGED;
+            *hits = 0;
+        }
+        (*tag_free, *data_free) = (self.tag_free, self.data_free);
     }
 }
 

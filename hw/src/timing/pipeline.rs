@@ -162,7 +162,7 @@ impl Pipeline {
                         }
                     } else {
                         let next = pipe.ledgers.tag.next();
-                        let miss = misses.miss(access.line, access.slot, clock, missed, next, row);
+                        let miss = misses.miss(access.line, access.slot, clock, next, row);
                         clock = miss.clock;
                         pipe.ledgers.tag.entered_until(miss.next);
                         filled = filled.max(miss.fetch.filled);
@@ -202,7 +202,7 @@ impl Pipeline {
                     if writes > 0 && data == pipe.data.last() {
                         data += 1;
                     }
-                    misses.waiting.read(missed, data);
+                    misses.read(missed, data);
                 }
                 let (data_done, words) = pipe.data_banks.read(addresses, data + writes);
                 pipe.counts.data_words += words;

@@ -23,6 +23,12 @@ impl Fifo {
         Self { depth, free: vec![0; depth + depth.max(500)], next: 0, most: 1, clocks: 0 }
     }
 
+    /// Its places.
+    #[inline(always)]
+    pub(super) const fn depth(&self) -> usize {
+        self.depth
+    }
+
     /// The first clock at which the next item can take a place.
     #[inline(always)]
     pub(super) fn room(&self) -> u64 {
@@ -50,6 +56,18 @@ impl Fifo {
         self.clocks += free - enter;
         self.free[end] = free;
         self.next += 1;
+    }
+
+    /// The same of a set of places: the first that can be taken again is taken first.
+    #[inline(always)]
+    pub(super) fn pass_in_any_order(&mut self, enter: u64, free: u64) {
+        self.pass(enter, free);
+        // Most come in order. None goes beyond the last `depth`: whoever held a place then has given it back by `enter`.
+        let mut place = self.next + self.depth - 1;
+        while self.free[place - 1] > free {
+            self.free.swap(place - 1, place);
+            place -= 1;
+        }
     }
 
     /// The places of so many items to come: the room of item `i` is at `i`, and when another can take it from item `i` is to be written at

@@ -10,6 +10,8 @@ pub(super) trait Taps {
     fn number(&self) -> usize;
     /// Storage index of the plane.
     fn plane(&self, tap: usize) -> u16;
+    /// Those of all from this one on.
+    fn planes_from(&self, tap: usize) -> impl Iterator<Item = u16>;
     /// The addresses it reads, in order.
     fn addresses(&self, tap: usize) -> &[u64];
     /// How many these are.
@@ -37,6 +39,11 @@ impl Taps for InPlace<'_> {
     #[inline(always)]
     fn plane(&self, tap: usize) -> u16 {
         self.taps[tap].plane
+    }
+
+    #[inline(always)]
+    fn planes_from(&self, tap: usize) -> impl Iterator<Item = u16> {
+        self.taps[tap..].iter().map(|tap| tap.plane)
     }
 
     #[inline(always)]
@@ -90,6 +97,10 @@ impl Taps for Gathered {
 
     fn plane(&self, tap: usize) -> u16 {
         self.taps[tap].0
+    }
+
+    fn planes_from(&self, tap: usize) -> impl Iterator<Item = u16> {
+        self.taps[tap..].iter().map(|&(plane, _)| plane)
     }
 
     fn addresses(&self, tap: usize) -> &[u64] {

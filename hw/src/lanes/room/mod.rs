@@ -10,7 +10,8 @@ use core::{arch::x86_64::*, mem::offset_of};
 use alloc::vec::Vec;
 
 use super::{
-    Kept, LANES, banks,
+    Kept, LANES,
+    banks::{self, Banks},
     changes::{self, EIGHT},
     footprints,
     kernel::Kernel,
@@ -85,9 +86,10 @@ impl Avx2 {
         first: u32,
         shape: RunShape,
         runs: &mut [Run],
+        counts: &mut [[u8; LANES]],
     ) -> (usize, usize) {
         // SAFETY: as above.
-        unsafe { runs::write(self, taps, first, shape, runs) }
+        unsafe { runs::write(self, taps, first, shape, runs, counts) }
     }
 
     /// [`changes::keep_fours`] in code compiled for AVX2.
@@ -104,11 +106,11 @@ impl Avx2 {
         unsafe { uses::move_last(self, log, first, last) }
     }
 
-    /// [`banks::apart`] in code compiled for AVX2.
+    /// [`banks::look`] in code compiled for AVX2.
     #[inline(always)]
-    pub(super) fn apart(self, taps: &[Footprint; LANES], word_shift: u32, bank_mask: u32) -> Option<u8> {
+    pub(super) fn look_at_banks(self, taps: &[Footprint; LANES], banks: [Banks; 2]) -> Option<(bool, [u8; LANES])> {
         // SAFETY: as above.
-        unsafe { banks::apart(self, taps, word_shift, bank_mask) }
+        unsafe { banks::look(self, taps, banks) }
     }
 }
 

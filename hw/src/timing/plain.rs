@@ -1,0 +1,62 @@
+//! Taps of one line or two, all of them there, in the tag unit: most taps, and a loop of their own.
+
+use core::hint::select_unpredictable;
+
+use super::{
+    miss_status::StatusHits,
+    passing::{HIT, MERGED},
+    slots::Slots,
+};
+
+/// What such taps need: laid open and by value, so that a host can have it in registers.
+pub(super) struct Plain<'h> {
+    /// By tap: how many lines it reads, whether two of them are in one bank, the room it finds in the fragment FIFO, and its clocks. All of one length.
+    pub(super) counts: &'h [u8],
+    pub(super) clashes: &'h [u8],
+    pub(super) rooms: &'h [u64],
+    pub(super) tags: &'h mut [u64],
+    pub(super) ready: &'h mut [u64],
+    /// By plane.
+    pub(super) hits: &'h mut [u64],
+    pub(super) status: StatusHits<'h>,
+    pub(super) tag_latency: u64,
+    pub(super) tag_free: u64,
+    /// Accesses that waited for their bank.
+    pub(super) conflicts: u64,
+}
+
+impl Plain<'_> {
+    /// Passes taps of these planes, whose first line is in the first of these slots, up to one that is not plain. The answer is how many passed, and how
+    /// many slots are theirs. The last slot is left to others: it is looked ahead of a tap.
+    #[inline(always)]
+    pub(super) fn pass(&mut self, mut planes: impl Iterator<Item = u16>, slots: &[u32]) -> (usize, usize) {
+        let taps = self.counts.len();
+        let (clashes, rooms) = (&self.clashes[..taps], &self.rooms[..taps]);
+        let (tags, ready) = (&mut self.tags[..taps], &mut self.ready[..taps]);
+        let nothing = self.status.nothing();
+        let (mut tap, mut at, mut free, mut conflicts) = (0, 0_u32, self.tag_free, 0);
+        while tap < taps && (at as usize) + 1 < slots.len() {
+            let (count, clash) = (self.counts[tap], u64::from(clashes[tap]));
+            let [first, second] = [slots[at as usize], slots[at as usize + 1]];
+            // Which it is no host can guess.
+            let second = select_unpredictable(count == 2, second, nothing);
+            if count.wrapping_sub(1) > 1 || (first | second) & Slots::MISSED != 0 {
+                break;
+            }
+            let tag = free.max(rooms[tap]);
+            // A tap of one line has no clash.
+            let done = tag + clash;
+            let Some(merged) = self.status.hit_two([first, second], [tag, done]) else { break };
+            let Some(plane) = planes.next() else { break };
+            self.hits[usize::from(plane)] += u64::from(count) * HIT + merged * MERGED;
+            tags[tap] = tag;
+            ready[tap] = done + self.tag_latency;
+            conflicts += clash;
+            free = done + 1;
+            at += u32::from(count);
+            tap += 1;
+        }
+        (self.tag_free, self.conflicts) = (free, conflicts);
+        (tap, at as usize)
+    }
+}
