@@ -29,6 +29,16 @@ pub enum Requests<'b> {
     Ends(&'b [u32]),
 }
 
+impl<'b> Requests<'b> {
+    /// The same where each has as many taps, else those that end there.
+    pub(crate) const fn ending<'e>(self, ends: &'e [u32]) -> Requests<'e> {
+        match self {
+            Self::Each(taps) => Requests::Each(taps),
+            Self::Ends(_) => Requests::Ends(ends),
+        }
+    }
+}
+
 impl<'b> Batch<'b> {
     /// Requests in it.
     #[must_use]
@@ -87,6 +97,23 @@ impl Batch<'_> {
             }
         }
     }
+}
+
+/// Tells of each plane how many taps read it, in some pieces. Mostly two taps have the same planes as the two before.
+pub(crate) fn count_planes(taps: &[Footprint], mut add: impl FnMut(usize, u64)) {
+    let (pairs, rest) = taps.as_chunks();
+    let (mut last, mut times) = ([0; 2], 0);
+    let mut add_both = |of: [u16; 2], times: u64| of.iter().for_each(|&plane| add(plane.into(), times));
+    for [first, second] in pairs {
+        let now = [first.plane, second.plane];
+        if now != last {
+            add_both(last, times);
+            (last, times) = (now, 0);
+        }
+        times += 1;
+    }
+    add_both(last, times);
+    rest.iter().for_each(|tap| add(tap.plane.into(), 1));
 }
 
 /// Whoever looks at the address stream between the address unit and the datapath.

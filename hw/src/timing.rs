@@ -35,7 +35,7 @@ use alloc::vec::Vec;
 
 use crate::{
     address::{Footprint, is_outside},
-    batch::{Batch, Sink},
+    batch::{Batch, Requests, Sink},
     cache::TexelCache,
     lanes::BankLanes,
 };
@@ -172,12 +172,12 @@ impl<O: TimingObserver> Timing<O> {
         }
         self.ends.clear();
         self.ends.push(gathered.number() as u32);
-        self.look_up_and_time(&gathered);
+        self.look_up_and_time(&gathered, Requests::Ends(&[]));
         self.gathered = gathered;
     }
 
     /// Looks up taps address by address, and times them.
-    fn look_up_and_time(&mut self, taps: &Gathered) {
+    fn look_up_and_time(&mut self, taps: &Gathered, requests: Requests<'_>) {
         self.reads.clear(taps.number());
         for tap in 0..taps.number() {
             self.reads.tap();
@@ -191,7 +191,7 @@ impl<O: TimingObserver> Timing<O> {
             Pipe::Any(pipe) => pipe.time(ends, taps, reads, beside),
             Pipe::Ample(pipe) => {
                 pipe.begin(taps, &mut beside).pass(reads.accesses());
-                pipe.end(ends, taps, beside);
+                pipe.end(requests.ending(ends), ends, taps, beside);
             }
         }
     }
@@ -199,6 +199,7 @@ impl<O: TimingObserver> Timing<O> {
     /// Looks up taps run by run, and times them.
     fn look_up_in_runs_and_time(&mut self, batch: Batch<'_>, taps: &InPlace<'_>) {
         let (mut slots, clashes) = (core::mem::take(&mut self.slots), core::mem::take(&mut self.clashes));
+        let requests = batch.requests;
         let (pipe, cache, reads, ends, mut beside) = self.parts();
         match pipe {
             _ if ends.is_empty() => {}
@@ -211,7 +212,7 @@ impl<O: TimingObserver> Timing<O> {
                 slots.clear(batch.taps.len());
                 let runs = cache.take_observed(batch, &mut slots);
                 pipe.begin(taps, &mut beside).pass_runs(runs, &clashes, slots.slots());
-                pipe.end(ends, taps, beside);
+                pipe.end(requests.ending(ends), ends, taps, beside);
             }
         }
         (self.slots, self.clashes) = (slots, clashes);
@@ -363,7 +364,7 @@ impl<O: TimingObserver> Sink for Timing<O> {
                 gathered.tap(tap.plane);
                 Batch { taps: core::slice::from_ref(tap), ..batch }.for_each_read(|_, address| gathered.read(address));
             }
-            self.look_up_and_time(&gathered);
+            self.look_up_and_time(&gathered, batch.requests);
             self.gathered = gathered;
             return;
         }

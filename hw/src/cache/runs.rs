@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use super::{Cache, Engine, Geometry, Outcome, PlaneCounters, Policy};
 use crate::{
     address::{Footprint, is_outside},
-    batch::Batch,
+    batch::{Batch, count_planes},
     lanes::{LANES, PLACES, RunLanes, RunShape},
 };
 
@@ -249,7 +249,7 @@ impl Splitter {
                 );
                 next += found * LANES;
                 count += written;
-                count_reads(&batch.taps[number..next], 4, planes);
+                count_planes(&batch.taps[number..next], |plane, taps| planes[plane].lookups += 4 * taps);
             }
             // What lanes leave, eight at most.
             number = batch.taps.len().min(next + LANES);
@@ -310,24 +310,6 @@ impl Splitter {
         }
         count
     }
-}
-
-/// Counts the reads of taps, so many each, by plane. Mostly two taps have the same planes as the two before.
-fn count_reads(taps: &[Footprint], each: u64, planes: &mut [PlaneCounters]) {
-    let (pairs, rest) = taps.as_chunks();
-    let (mut last, mut times) = ([0; 2], 0);
-    let mut add =
-        |of: [u16; 2], times: u64| of.iter().for_each(|&plane| planes[usize::from(plane)].lookups += each * times);
-    for [first, second] in pairs {
-        let now = [first.plane, second.plane];
-        if now != last {
-            add(last, times);
-            (last, times) = (now, 0);
-        }
-        times += 1;
-    }
-    add(last, times);
-    rest.iter().for_each(|tap| planes[usize::from(tap.plane)].lookups += each);
 }
 
 impl Cache {

@@ -12,7 +12,6 @@
 //! result, always has a place by the same count.
 
 use alloc::vec::Vec;
-use core::ops::Range;
 
 use super::{
     banks::BankOf,
@@ -25,6 +24,7 @@ use super::{
     queue::Fifo,
     taps::Taps,
 };
+use crate::batch::Requests;
 
 /// A machine of this kind.
 #[derive(Clone, Debug, Default)]
@@ -167,15 +167,20 @@ impl Ample {
         }
     }
 
-    /// The rest of their way, in requests that end where `ends` says.
-    pub(super) fn end<O: TimingObserver>(&mut self, ends: &[u32], taps: &impl Taps, mut beside: Beside<'_, O>) {
+    /// The rest of their way, which are of these requests, that end where `ends` says.
+    pub(super) fn end<O: TimingObserver>(
+        &mut self,
+        requests: Requests<'_>,
+        ends: &[u32],
+        taps: &impl Taps,
+        mut beside: Beside<'_, O>,
+    ) {
         let mut batch = core::mem::take(&mut self.batch);
-        self.pass_the_rest(ends, taps, &mut batch, &mut beside);
+        let before = [self.counts.requests, self.counts.taps];
+        self.pass_the_rest(requests, taps, &mut batch, &mut beside);
         if O::WATCHES {
-            self.tell(ends, taps, &mut batch, beside);
+            tell(ends, taps, &mut batch, before, beside);
         }
-        self.counts.requests += ends.len() as u64;
-        self.counts.taps += taps.number() as u64;
         self.batch = batch;
     }
 
@@ -183,93 +188,110 @@ impl Ample {
     #[inline(never)]
     fn pass_the_rest<O: TimingObserver>(
         &mut self,
-        ends: &[u32],
+        requests: Requests<'_>,
         taps: &impl Taps,
         Clocks { issue, taps: TapClocks { tags, data_done, .. }, entry, lod, issued, data, result, .. }: &mut Clocks,
-        Beside { parameters, histograms, planes, .. }: &mut Beside<'_, O>,
+        Beside { parameters, histograms, .. }: &mut Beside<'_, O>,
     ) {
         let [_, _, _, data_latency, filter_latency] = latencies(parameters);
         self.tap_fifo.pass_one_a_clock(&mut self.sequencer, tags, issue);
         // Another tap can enter the tag unit in the clock after one entered the data unit.
         let (places, depth) = self.fragment_fifo.places(tags.len());
-        let (issues, frees, dones) = (&issue[..tags.len()], &places[depth..][..tags.len()], &data_done[..tags.len()]);
-        for clocks in [&mut *issued, &mut *data, &mut *result] {
-            clocks.resize(ends.len(), 0);
-        }
-        for (&end, ((issued, data), result)) in ends.iter().zip(issued.iter_mut().zip(&mut *data).zip(&mut *result)) {
-            let last = end as usize - 1;
-            *issued = issues[last];
-            *data = frees[last] - 1;
-            *result = dones[last] + data_latency + filter_latency;
-        }
+        of_last(requests, issue, 0, issued);
+        of_last(requests, &places[depth..][..tags.len()], -1, data);
+        of_last(requests, data_done, (data_latency + filter_latency).cast_signed(), result);
         self.fragment_fifo.entered(tags);
         self.lod_fifo.pass_one_a_clock(&mut self.lod, issued, lod);
         self.request_fifo.pass_one_a_clock(&mut self.entry, lod, entry);
         self.result_fifo.pass_all(data, result);
-        result.iter().zip(entry).for_each(|(result, entry)| self.request_latency.add(result - *entry));
-        self.counts.cycles = result[ends.len() - 1] + 1;
-
-        count_requests(ends, taps, histograms, planes);
-    }
-
-    /// Tells an observer.
-    fn tell<O: TimingObserver>(&self, ends: &[u32], taps: &impl Taps, batch: &mut Clocks, beside: Beside<'_, O>) {
-        let mut fills = batch.watched.fills.drain(..).peekable();
-        let mut begin = 0;
-        for (number, end) in ends.iter().map(|&end| end as usize).enumerate() {
-            let request = self.counts.requests + number as u64;
-            for at in begin..end {
-                let tap = self.counts.taps + at as u64;
-                let mut misses = 0;
-                while let Some((fill, stored)) = fills.next_if(|(fill, _)| fill.tap == tap) {
-                    beside.observer.fill(fill, &stored);
-                    misses += 1;
-                }
-                beside.observer.tap(TapTimes {
-                    tap,
-                    request,
-                    plane: taps.plane(at),
-                    issue: batch.issue[at],
-                    tag: batch.taps.tags[at],
-                    tag_done: batch.watched.tag_done[at],
-                    data: batch.watched.data[at],
-                    data_done: batch.taps.data_done[at],
-                    datapath: batch.taps.data_done[at] + u64::from(beside.parameters.data_latency),
-                    misses,
-                });
-            }
-            let [entry, lod, result] = [&batch.entry, &batch.lod, &batch.result].map(|clocks| clocks[number]);
-            beside.observer.request(RequestTimes { request, entry, lod, result });
-            begin = end;
-        }
+        self.request_latency.add_between(entry, result);
+        self.counts.cycles = result[result.len() - 1] + 1;
+        self.counts.requests += result.len() as u64;
+        self.counts.taps += tags.len() as u64;
+        count_requests(requests, taps, histograms);
     }
 }
 
-/// Counts the taps of requests by plane, and requests by taps and planes. Most requests are like the one before.
-fn count_requests(ends: &[u32], taps: &impl Taps, histograms: &mut Histograms, planes: &mut [PlaneTiming]) {
-    let mut add = |request: Range<usize>, times: u64| {
-        if times > 0 {
-            histograms.add((request.len(), planes_among(taps, request.start, request.end)), times);
+/// Tells an observer of requests and taps, so many of which were before.
+fn tell<O: TimingObserver>(
+    ends: &[u32],
+    taps: &impl Taps,
+    batch: &mut Clocks,
+    [requests, taps_before]: [u64; 2],
+    beside: Beside<'_, O>,
+) {
+    let mut fills = batch.watched.fills.drain(..).peekable();
+    let mut begin = 0;
+    for (number, end) in ends.iter().map(|&end| end as usize).enumerate() {
+        let request = requests + number as u64;
+        for at in begin..end {
+            let tap = taps_before + at as u64;
+            let mut misses = 0;
+            while let Some((fill, stored)) = fills.next_if(|(fill, _)| fill.tap == tap) {
+                beside.observer.fill(fill, &stored);
+                misses += 1;
+            }
+            beside.observer.tap(TapTimes {
+                tap,
+                request,
+                plane: taps.plane(at),
+                issue: batch.issue[at],
+                tag: batch.taps.tags[at],
+                tag_done: batch.watched.tag_done[at],
+                data: batch.watched.data[at],
+                data_done: batch.taps.data_done[at],
+                datapath: batch.taps.data_done[at] + u64::from(beside.parameters.data_latency),
+                misses,
+            });
         }
-        for tap in request {
-            let row = &mut planes[usize::from(taps.plane(tap))];
-            row.taps += times;
-            row.reads += times * taps.reads(tap);
-        }
-    };
-    let like = |tap: usize, other: usize| taps.plane(tap) == taps.plane(other) && taps.reads(tap) == taps.reads(other);
-    let (mut begin, mut last, mut times) = (0, 0..0, 0);
-    for end in ends.iter().map(|&end| end as usize) {
-        let same = end - begin == last.len()
-            && like(begin, last.start)
-            && like(end - 1, last.end - 1)
-            && (2..last.len()).all(|tap| like(begin + tap - 1, last.start + tap - 1));
-        if !same {
-            add(last, times);
-            (last, times) = (begin..end, 0);
-        }
-        times += 1;
+        let [entry, lod, result] = [&batch.entry, &batch.lod, &batch.result].map(|clocks| clocks[number]);
+        beside.observer.request(RequestTimes { request, entry, lod, result });
         begin = end;
     }
-    add(last, times);
+}
+
+/// Of the clocks of taps, those of the last of each request, so many later.
+fn of_last(requests: Requests<'_>, clocks: &[u64], later: i64, to: &mut Vec<u64>) {
+    let later = |clock: u64| clock.wrapping_add_signed(later);
+    to.clear();
+    match requests {
+        Requests::Each(1) => to.extend(clocks.iter().map(|&clock| later(clock))),
+        Requests::Each(2) => to.extend(clocks.as_chunks().0.iter().map(|&[_, clock]| later(clock))),
+        Requests::Each(taps) => to.extend(clocks.chunks(taps).map(|clocks| later(clocks[taps - 1]))),
+        Requests::Ends(ends) => to.extend(ends.iter().map(|&end| later(clocks[end as usize - 1]))),
+    }
+}
+
+/// Counts requests by taps and planes. Most are of the same shape as the one before.
+fn count_requests(requests: Requests<'_>, taps: &impl Taps, histograms: &mut Histograms) {
+    let number = taps.number();
+    match requests {
+        Requests::Each(1) => histograms.add((1, 1), number as u64),
+        Requests::Each(2) => {
+            let [first, second] = [0, 1].map(|tap| taps.planes_from(tap).step_by(2));
+            let of_two = first.zip(second).filter(|(first, second)| first != second).count();
+            histograms.add((2, 1), (number / 2 - of_two) as u64);
+            histograms.add((2, 2), of_two as u64);
+        }
+        Requests::Each(each) => {
+            let ends = (1..=number / each).map(|request| request * each);
+            count_one_by_one(ends, taps, histograms);
+        }
+        Requests::Ends(ends) => count_one_by_one(ends.iter().map(|&end| end as usize), taps, histograms),
+    }
+}
+
+/// [`count_requests`] of any.
+fn count_one_by_one(ends: impl Iterator<Item = usize>, taps: &impl Taps, histograms: &mut Histograms) {
+    let (mut begin, mut shape, mut of_shape) = (0, (0, 0), 0);
+    for end in ends {
+        let shape_now = (end - begin, planes_among(taps, begin, end));
+        if shape_now != shape {
+            histograms.add(shape, of_shape);
+            (shape, of_shape) = (shape_now, 0);
+        }
+        of_shape += 1;
+        begin = end;
+    }
+    histograms.add(shape, of_shape);
 }

@@ -270,6 +270,22 @@ impl Spread {
         self.most = self.most.max(value);
     }
 
+    /// Adds what is between these clocks and those, all below 2^63. A value that is neither the least nor the most yet needs no branch.
+    #[inline(always)]
+    pub(super) fn add_between(&mut self, begins: &[u64], ends: &[u64]) {
+        let values = || ends.iter().zip(begins).map(|(end, begin)| end - begin);
+        let (mut sum, mut beyond) = (0, 0);
+        for value in values() {
+            sum += value;
+            beyond |= value.wrapping_sub(self.least) | self.most.wrapping_sub(value);
+        }
+        if beyond.cast_signed() < 0 || self.least == u64::MAX {
+            values().for_each(|value| self.add(value));
+        } else {
+            self.sum += sum;
+        }
+    }
+
     /// Sum, least (0 of none) and most.
     pub(super) const fn all(&self) -> (u64, u64, u64) {
         (self.sum, if self.least == u64::MAX { 0 } else { self.least }, self.most)

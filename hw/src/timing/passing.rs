@@ -325,11 +325,15 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         let (number, Rest { counts, watched, free: [tag_free, data_free], .. }) = (self.taps.number(), self.rest);
         counts.tag_stall_fragment_fifo += self.tag_free - *tag_free - number as u64 - self.spent;
         if self.all_apart {
-            counts.data_words += (0..number).map(|tap| self.taps.reads(tap)).sum::<u64>();
+            counts.data_words += self.taps.reads();
         }
         if O::WATCHES {
             watched.data.extend(self.places[self.depth..].iter().map(|free| free - 1));
         }
+        self.taps.count_by_plane(|plane, taps, reads| {
+            self.planes[plane].taps += taps;
+            self.planes[plane].reads += reads;
+        });
         for (row, hits) in self.planes.iter_mut().zip(&mut self.clocks.hits) {
             row.fetches_ok += *hits % MERGED;
             row.fetches_merged += *hits / MERGED;

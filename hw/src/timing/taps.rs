@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use crate::address::Footprint;
+use crate::{address::Footprint, batch::count_planes};
 
 /// Taps to be timed, by number.
 pub(super) trait Taps {
@@ -14,8 +14,10 @@ pub(super) trait Taps {
     fn planes_from(&self, tap: usize) -> impl Iterator<Item = u16>;
     /// The addresses it reads, in order.
     fn addresses(&self, tap: usize) -> &[u64];
-    /// How many these are.
-    fn reads(&self, tap: usize) -> u64;
+    /// How many all taps read.
+    fn reads(&self) -> u64;
+    /// Tells of each plane how many taps read it, and how much these read, in some pieces.
+    fn count_by_plane(&self, add: impl FnMut(usize, u64, u64));
     /// More than the storage index of any plane.
     fn planes(&self) -> usize;
     /// Whether the words of each tap are known to be in as many data banks as they are.
@@ -51,9 +53,13 @@ impl Taps for InPlace<'_> {
         &self.taps[tap].address[..self.texels]
     }
 
+    fn reads(&self) -> u64 {
+        (self.taps.len() * self.texels) as u64
+    }
+
     #[inline(always)]
-    fn reads(&self, _: usize) -> u64 {
-        self.texels as u64
+    fn count_by_plane(&self, mut add: impl FnMut(usize, u64, u64)) {
+        count_planes(self.taps, |plane, taps| add(plane, taps, taps * self.texels as u64));
     }
 
     /// Not those of a surface: whoever has several textures in one memory numbers their planes one after the other.
@@ -108,8 +114,14 @@ impl Taps for Gathered {
         &self.addresses[self.taps[tap].1..end]
     }
 
-    fn reads(&self, tap: usize) -> u64 {
-        self.addresses(tap).len() as u64
+    fn reads(&self) -> u64 {
+        self.addresses.len() as u64
+    }
+
+    fn count_by_plane(&self, mut add: impl FnMut(usize, u64, u64)) {
+        for tap in 0..self.taps.len() {
+            add(self.plane(tap).into(), 1, self.addresses(tap).len() as u64);
+        }
     }
 
     fn planes(&self) -> usize {
