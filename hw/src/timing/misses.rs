@@ -102,7 +102,7 @@ impl Misses {
             tag.stall_until(room, &mut self.stalls.reorder_buffer);
             let entry = self.status.room();
             tag.stall_until(entry, &mut self.stalls.miss_status);
-            clock = clock.max(entry);
+            clock = clock.max(room).max(entry);
         }
         let room = self.miss_queue.room();
         tag.stall_until(room, &mut self.stalls.miss_queue);
