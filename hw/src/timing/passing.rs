@@ -193,32 +193,39 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         self.leave();
     }
 
-    /// Plain taps of these pass the tag unit, the first of whose slots these are. The first other tap, and how many slots are before its own.
+    /// Plain taps of these pass the tag unit, the first slot of which has the number `at`. The first other tap, and the number of its first slot.
     #[inline(always)]
-    fn pass_plain(&mut self, taps: Range<usize>, counts: &[u8], clashes: &[u8], slots: &[u32]) -> (usize, usize) {
-        let Range { start, end } = taps;
+    fn pass_plain(
+        &mut self,
+        taps: Range<usize>,
+        counts: &[u8],
+        clashes: &[u8],
+        slots: &[u32],
+        at: usize,
+    ) -> (usize, usize) {
+        let begin = taps.start;
         let mut plain = Plain {
-            counts: &counts[start..end],
-            clashes: &clashes[start..],
-            rooms: &self.places[start..],
-            tags: &mut self.clocks.tags[start..],
-            ready: &mut self.clocks.ready[start..],
+            counts,
+            clashes,
+            rooms: self.places,
+            tags: &mut self.clocks.tags,
+            ready: &mut self.clocks.ready,
             hits: &mut self.clocks.hits,
             status: self.misses.status.hits(),
             tag_latency: self.tag_latency,
             tag_free: self.tag_free,
             conflicts: 0,
         };
-        let (passed, accesses) = plain.pass(self.taps.planes_from(start), slots);
+        let (tap, next) = plain.pass(taps, self.taps.planes_from(begin), slots, at);
         let conflicts = plain.conflicts;
         self.tag_free = plain.tag_free;
         self.spent += conflicts;
         self.rest.counts.tag_bank_conflicts += conflicts;
         if O::WATCHES {
-            let done = self.clocks.ready[start..][..passed].iter().map(|ready| ready - self.tag_latency);
+            let done = self.clocks.ready[begin..tap].iter().map(|ready| ready - self.tag_latency);
             self.rest.watched.tag_done.extend(done);
         }
-        (start + passed, accesses)
+        (tap, next)
     }
 
     /// Taps that have passed the tag unit pass the data unit.
@@ -285,8 +292,8 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         let (mut begin, number, mut at) = (0, self.taps.number(), 0);
         while begin < number {
             begin = self.pass_some(begin..number, |passing, tap, end| {
-                let (tap, passed) = passing.pass_plain(tap..end, counts, clashes, &slots[at..]);
-                at += passed;
+                let (tap, first) = passing.pass_plain(tap..end, counts, clashes, slots, at);
+                at = first;
                 if tap == end {
                     return tap;
                 }

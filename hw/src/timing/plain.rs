@@ -1,6 +1,6 @@
 //! Taps of one line or two, all of them there, in the tag unit: most taps, and a loop of their own.
 
-use core::hint::select_unpredictable;
+use core::{hint::select_unpredictable, ops::Range};
 
 use super::{
     miss_status::StatusHits,
@@ -26,18 +26,23 @@ pub(super) struct Plain<'h> {
 }
 
 impl Plain<'_> {
-    /// Passes taps of these planes, whose first line is in the first of these slots, up to one that is not plain. The answer is how many passed, and how
-    /// many slots are theirs. The last slot is left to others: it is looked ahead of a tap.
+    /// Passes taps from this one on, up to one that is not plain or the end: they are of these planes, and the first line is in slot number `at`. The
+    /// answer is that tap, and the number of its first slot. The last slot is left to others: it is looked ahead of a tap.
     #[inline(always)]
-    pub(super) fn pass(&mut self, mut planes: impl Iterator<Item = u16>, slots: &[u32]) -> (usize, usize) {
-        let taps = self.counts.len();
-        let (clashes, rooms) = (&self.clashes[..taps], &self.rooms[..taps]);
-        let (tags, ready) = (&mut self.tags[..taps], &mut self.ready[..taps]);
+    pub(super) fn pass(
+        &mut self,
+        Range { start: mut tap, end }: Range<usize>,
+        mut planes: impl Iterator<Item = u16>,
+        slots: &[u32],
+        mut at: usize,
+    ) -> (usize, usize) {
+        let (counts, clashes, rooms) = (&self.counts[..end], &self.clashes[..end], &self.rooms[..end]);
+        let (tags, ready) = (&mut self.tags[..end], &mut self.ready[..end]);
         let nothing = self.status.nothing();
-        let (mut tap, mut at, mut free, mut conflicts) = (0, 0_u32, self.tag_free, 0);
-        while tap < taps && (at as usize) + 1 < slots.len() {
-            let (count, clash) = (self.counts[tap], u64::from(clashes[tap]));
-            let [first, second] = [slots[at as usize], slots[at as usize + 1]];
+        let (mut free, mut conflicts) = (self.tag_free, 0);
+        while tap < end && at + 1 < slots.len() {
+            let (count, clash) = (counts[tap], u64::from(clashes[tap]));
+            let [first, second] = [slots[at], slots[at + 1]];
             // Which it is no host can guess.
             let second = select_unpredictable(count == 2, second, nothing);
             if count.wrapping_sub(1) > 1 || (first | second) & Slots::MISSED != 0 {
@@ -53,10 +58,10 @@ impl Plain<'_> {
             ready[tap] = done + self.tag_latency;
             conflicts += clash;
             free = done + 1;
-            at += u32::from(count);
+            at += usize::from(count);
             tap += 1;
         }
         (self.tag_free, self.conflicts) = (free, conflicts);
-        (tap, at as usize)
+        (tap, at)
     }
 }
