@@ -96,7 +96,6 @@ pub struct Timing<O = ()> {
 
     /// What the cache made of the taps at hand.
     reads: TapReads,
-    slots: Slots,
     /// Their addresses, where they are not those of footprints.
     gathered: Gathered,
     bank_lanes: Option<BankLanes>,
@@ -144,7 +143,6 @@ impl<O: TimingObserver> Timing<O> {
             planes: Vec::new(),
             histograms: Histograms::default(),
             reads: TapReads::default(),
-            slots: Slots::default(),
             gathered: Gathered::default(),
             bank_lanes: BankLanes::new(
                 [p.data_bank_bytes.trailing_zeros(), p.data_banks],
@@ -198,7 +196,7 @@ impl<O: TimingObserver> Timing<O> {
 
     /// Looks up taps run by run, and times them.
     fn look_up_in_runs_and_time(&mut self, batch: Batch<'_>, taps: &InPlace<'_>) {
-        let (mut slots, clashes) = (core::mem::take(&mut self.slots), core::mem::take(&mut self.clashes));
+        let clashes = core::mem::take(&mut self.clashes);
         let requests = batch.requests;
         let (pipe, cache, reads, ends, mut beside) = self.parts();
         match pipe {
@@ -209,13 +207,12 @@ impl<O: TimingObserver> Timing<O> {
                 pipe.time(ends, taps, reads, beside);
             }
             Pipe::Ample(pipe) => {
-                slots.clear(batch.taps.len());
-                let runs = cache.take_observed(batch, &mut slots);
-                pipe.begin(taps, &mut beside).pass_runs(runs, &clashes, slots.slots());
+                let runs = cache.take_observed(batch, &mut Slots);
+                pipe.begin(taps, &mut beside).pass_runs(runs, &clashes);
                 pipe.end(requests.ending(ends), ends, taps, beside);
             }
         }
-        (self.slots, self.clashes) = (slots, clashes);
+        self.clashes = clashes;
     }
 
     /// What taps pass, the cache, what is known of their reads, where their requests end, and all beside.

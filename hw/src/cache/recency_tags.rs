@@ -1,7 +1,7 @@
 //! Tags kept in order of use: LRU of up to 16 ways without a search, the loop that most runs spend their time in.
 
 use alloc::vec::Vec;
-use core::slice::Iter;
+use core::slice::IterMut;
 
 use super::{
     Observer, Outcome, Run,
@@ -53,10 +53,10 @@ impl<const WAYS: usize> RecencyTags<WAYS> {
     #[inline(always)]
     pub(super) fn access_until<'i>(
         &mut self,
-        runs: &mut Iter<'i, Run>,
+        runs: &mut IterMut<'i, Run>,
         set_of: impl Fn(u64, usize) -> usize,
-        go_on: impl FnMut(&Run, Outcome) -> bool,
-    ) -> Option<(&'i Run, Outcome)> {
+        go_on: impl FnMut(&mut Run, Outcome) -> bool,
+    ) -> Option<(&'i mut Run, Outcome)> {
         let sets = self.sets.as_mut_slice();
         let count = sets.len();
         access_until(runs, go_on, |line| Self::access_either(sets, set_of(line, count), line))

@@ -20,7 +20,7 @@ pub(crate) struct Run {
     pub(crate) line: u64,
     /// Which texels of it, as [`Told`] says.
     pub(super) texels: u32,
-    /// Number of the tap in its batch, and the bit [`REPEATED`](Self::REPEATED).
+    /// Number of the tap in its batch, and the bit [`REPEATED`](Self::REPEATED); once it has been looked up, what an observer noted in its place.
     tap: u32,
 }
 
@@ -35,6 +35,18 @@ impl Run {
     pub(crate) const fn is_repeated(&self) -> bool {
         self.tap & Self::REPEATED != 0
     }
+
+    /// Notes what came of the lookup. Of which tap the run is, is forgotten.
+    #[inline(always)]
+    pub(crate) const fn note(&mut self, outcome: u32) {
+        self.tap = outcome;
+    }
+
+    /// What was noted.
+    #[inline(always)]
+    pub(crate) const fn noted(&self) -> u32 {
+        self.tap
+    }
 }
 
 /// The runs of taps.
@@ -42,8 +54,13 @@ impl Run {
 pub(crate) struct Runs<'s> {
     /// All of them, tap by tap.
     pub(crate) runs: &'s [Run],
-    /// How many each tap has.
+    /// How many each tap has, and the bit [`REPEATED`](Self::REPEATED).
     pub(crate) counts: &'s [u8],
+}
+
+impl Runs<'_> {
+    /// Runs of the tap may be of one line.
+    pub(crate) const REPEATED: u8 = 1 << 7;
 }
 
 /// How the texels of a run are told.
@@ -97,15 +114,15 @@ pub(crate) trait RunObserver {
     /// A stretch begins.
     fn hits(&mut self) -> Self::Hits<'_>;
     /// A run was read, and its line was there.
-    fn hit(&mut self, run: &Run, slot: u32);
+    fn hit(&mut self, run: &mut Run, slot: u32);
     /// A run was read, and its line was not there; `evicted` is the line that had to leave.
-    fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>);
+    fn miss(&mut self, run: &mut Run, slot: u32, evicted: Option<u64>);
 }
 
 /// Hits one after the other. What is needed for them is laid open for as long, so that a host can have it in registers.
 pub(crate) trait RunHits {
     /// A run was read, and its line was there; false if the observer must be told instead.
-    fn hit(&mut self, run: &Run, slot: u32) -> bool;
+    fn hit(&mut self, run: &mut Run, slot: u32) -> bool;
     /// The stretch ends.
     fn close(self);
 }
@@ -116,14 +133,14 @@ impl RunObserver for () {
     #[inline(always)]
     fn hits(&mut self) {}
     #[inline(always)]
-    fn hit(&mut self, _: &Run, _: u32) {}
+    fn hit(&mut self, _: &mut Run, _: u32) {}
     #[inline(always)]
-    fn miss(&mut self, _: &Run, _: u32, _: Option<u64>) {}
+    fn miss(&mut self, _: &mut Run, _: u32, _: Option<u64>) {}
 }
 
 impl RunHits for () {
     #[inline(always)]
-    fn hit(&mut self, _: &Run, _: u32) -> bool {
+    fn hit(&mut self, _: &mut Run, _: u32) -> bool {
         true
     }
     #[inline(always)]
@@ -133,7 +150,7 @@ impl RunHits for () {
 /// Only the first of them may leave a hit to be told otherwise.
 impl<A: RunHits, B: RunHits> RunHits for (A, B) {
     #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) -> bool {
+    fn hit(&mut self, run: &mut Run, slot: u32) -> bool {
         self.0.hit(run, slot) && self.1.hit(run, slot)
     }
     #[inline(always)]
@@ -155,12 +172,12 @@ impl<A: RunObserver, B: RunObserver> RunObserver for (&mut A, &mut B) {
         (self.0.hits(), self.1.hits())
     }
     #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) {
+    fn hit(&mut self, run: &mut Run, slot: u32) {
         self.0.hit(run, slot);
         self.1.hit(run, slot);
     }
     #[inline(always)]
-    fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>) {
+    fn miss(&mut self, run: &mut Run, slot: u32, evicted: Option<u64>) {
         self.0.miss(run, slot, evicted);
         self.1.miss(run, slot, evicted);
     }
@@ -224,8 +241,8 @@ impl Splitter {
         }
     }
 
-    /// The runs of a batch, and the number of texels read; `planes` counts those of each plane.
-    pub(super) fn split(&mut self, batch: Batch<'_>, planes: &mut [PlaneCounters]) -> (Runs<'_>, u64) {
+    /// The runs of a batch, how many each tap has as [`Runs::counts`] says, and the number of texels read; `planes` counts those of each plane.
+    pub(super) fn split(&mut self, batch: Batch<'_>, planes: &mut [PlaneCounters]) -> (&mut [Run], &[u8], u64) {
         // As many as there can be, and what eight taps may write to.
         let most = 4 * batch.taps.len() + PLACES;
         if self.runs.len() < most {
@@ -265,13 +282,14 @@ impl Splitter {
                     outside += batch.texels_per_tap - singles;
                     singles
                 };
-                counts[number] = (count - before) as u8;
+                let repeated = runs[before..count].iter().any(Run::is_repeated);
+                counts[number] = (count - before) as u8 | if repeated { Runs::REPEATED } else { 0 };
                 planes[usize::from(tap.plane)].lookups += read as u64;
             }
         }
         let lookups = batch.taps.len() * batch.texels_per_tap - outside;
         (self.runs, self.counts) = (runs, counts);
-        (Runs { runs: &self.runs[..count], counts: &self.counts }, lookups as u64)
+        (&mut self.runs[..count], &self.counts, lookups as u64)
     }
 
     /// One or two runs that four texels make, and how many; `None` if they make more, or some are outside.
@@ -315,12 +333,12 @@ impl Splitter {
 impl Cache {
     /// Looks up runs of `lookups` texels in all.
     #[inline(always)]
-    pub(super) fn access_runs(&mut self, runs: &[Run], lookups: u64, observer: &mut impl RunObserver) {
+    pub(super) fn access_runs(&mut self, runs: &mut [Run], lookups: u64, observer: &mut impl RunObserver) {
         let mut misses = 0;
         // A loop for each way to find a set, and in it nothing that would keep a host from holding all it needs in registers.
         macro_rules! access {
             ($tags:ident, $set:expr) => {{
-                let mut runs = runs.iter();
+                let mut runs = runs.iter_mut();
                 loop {
                     let mut hits = observer.hits();
                     let told = $tags.access_until(&mut runs, $set, |run, outcome| match outcome {

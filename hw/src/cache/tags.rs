@@ -1,7 +1,7 @@
 //! The tag memory and the lookup itself, for any replacement policy.
 
 use alloc::{vec, vec::Vec};
-use core::slice::Iter;
+use core::slice::IterMut;
 
 use super::{Observer, Outcome, Run, changes::Changes, line_index::LineIndex, replacement::Replacement};
 use crate::lanes::{BLOCK, Kept};
@@ -52,10 +52,10 @@ pub(super) fn look_up<O: Observer>(
 /// Looks up runs for as long as `go_on` says of each and its outcome; the one of which it did not, if there was one.
 #[inline(always)]
 pub(super) fn access_until<'i>(
-    runs: &mut Iter<'i, Run>,
-    mut go_on: impl FnMut(&Run, Outcome) -> bool,
+    runs: &mut IterMut<'i, Run>,
+    mut go_on: impl FnMut(&mut Run, Outcome) -> bool,
     mut access: impl FnMut(u64) -> Outcome,
-) -> Option<(&'i Run, Outcome)> {
+) -> Option<(&'i mut Run, Outcome)> {
     runs.find_map(|run| {
         let outcome = access(run.line);
         (!go_on(run, outcome)).then_some((run, outcome))
@@ -111,10 +111,10 @@ impl<R: Replacement> Tags<R> {
     #[inline(always)]
     pub(super) fn access_until<'i>(
         &mut self,
-        runs: &mut Iter<'i, Run>,
+        runs: &mut IterMut<'i, Run>,
         set_of: impl Fn(u64, usize) -> usize,
-        go_on: impl FnMut(&Run, Outcome) -> bool,
-    ) -> Option<(&'i Run, Outcome)> {
+        go_on: impl FnMut(&mut Run, Outcome) -> bool,
+    ) -> Option<(&'i mut Run, Outcome)> {
         access_until(runs, go_on, |line| self.access(set_of(line, self.sets.len()), line))
     }
 

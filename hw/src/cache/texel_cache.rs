@@ -223,21 +223,21 @@ impl TexelCache {
             self.planes.resize(planes, PlaneCounters::default());
         }
         let planes = &mut self.planes[..];
-        let (runs, lookups) = self.splitter.split(batch, planes);
+        let (runs, counts, lookups) = self.splitter.split(batch, planes);
         let taps = batch.taps;
         match &mut self.meter {
             Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None }
                 if line_use.told() == Told::Bits =>
             {
                 let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, taps };
-                self.cache.access_runs(runs.runs, lookups, &mut (watch, observer));
+                self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
             meter => {
                 let watch = &mut SomeWatch { meter, planes, taps };
-                self.cache.access_runs(runs.runs, lookups, &mut (watch, observer));
+                self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
         }
-        runs
+        Runs { runs, counts }
     }
 }
 
@@ -270,7 +270,7 @@ struct FullHits<'h> {
 
 impl RunHits for FullHits<'_> {
     #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) -> bool {
+    fn hit(&mut self, run: &mut Run, slot: u32) -> bool {
         self.marks.hit(run.texels, slot);
         self.shadow.hit(slot as usize)
     }
@@ -293,13 +293,13 @@ impl RunObserver for FullWatch<'_> {
     }
 
     #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) {
+    fn hit(&mut self, run: &mut Run, slot: u32) {
         self.marks.hit(run.texels, slot);
         self.classifier.hit(run.line, slot);
     }
 
     #[inline(always)]
-    fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>) {
+    fn miss(&mut self, run: &mut Run, slot: u32, evicted: Option<u64>) {
         self.marks.miss(run.texels, slot, evicted);
         let class = self.classifier.miss(run.line, slot);
         let row = &mut self.planes[usize::from(self.taps[run.tap()].plane)];
@@ -323,7 +323,7 @@ struct SomeHits<'h> {
 
 impl RunHits for SomeHits<'_> {
     #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) -> bool {
+    fn hit(&mut self, run: &mut Run, slot: u32) -> bool {
         if let Some(marks) = &mut self.marks {
             marks.hit(run.texels, slot);
         }
@@ -351,7 +351,7 @@ impl RunObserver for SomeWatch<'_> {
     }
 
     #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) {
+    fn hit(&mut self, run: &mut Run, slot: u32) {
         if let Some(line_use) = &mut self.meter.line_use {
             line_use.marks::<false>().hit(run.texels, slot);
         }
@@ -361,7 +361,7 @@ impl RunObserver for SomeWatch<'_> {
     }
 
     #[inline(always)]
-    fn miss(&mut self, run: &Run, slot: u32, evicted: Option<u64>) {
+    fn miss(&mut self, run: &mut Run, slot: u32, evicted: Option<u64>) {
         if let Some(line_use) = &mut self.meter.line_use {
             line_use.marks::<false>().miss(run.texels, slot, evicted);
         }

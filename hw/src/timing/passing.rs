@@ -178,29 +178,29 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         self.accessed(bank, miss.clock);
     }
 
-    /// Any tap of so many runs passes the tag unit, of whose runs and those of the taps behind it these are the slots. The texels of a run after the first
-    /// hit the line the first accessed.
+    /// Any tap passes the tag unit, which has these runs, some of which may be of one line. The texels of a run after the first hit the line the first
+    /// accessed.
     #[inline(never)]
-    fn pass_one(&mut self, tap: usize, runs: &[Run], slots: &[u32]) {
+    fn pass_one(&mut self, tap: usize, runs: &[Run], repeated: bool) {
         self.enter(tap);
-        for (number, (run, &slot)) in runs.iter().zip(slots).enumerate() {
+        for (number, run) in runs.iter().enumerate() {
+            let slot = run.noted();
             if slot & Slots::MISSED != 0 {
                 self.miss(run.line, slot & !Slots::MISSED);
-            } else if !(run.is_repeated() && runs[..number].iter().any(|before| before.line == run.line)) {
+            } else if !(repeated && runs[..number].iter().any(|before| before.line == run.line)) {
                 self.hit(run.line, slot);
             }
         }
         self.leave();
     }
 
-    /// Plain taps of these pass the tag unit, the first slot of which has the number `at`. The first other tap, and the number of its first slot.
+    /// Plain taps of these pass the tag unit, the first run of which has the number `at`. The first other tap, and the number of its first run.
     #[inline(always)]
     fn pass_plain(
         &mut self,
         taps: Range<usize>,
-        counts: &[u8],
+        Runs { runs, counts }: Runs<'_>,
         clashes: &[u8],
-        slots: &[u32],
         at: usize,
     ) -> (usize, usize) {
         let begin = taps.start;
@@ -216,7 +216,7 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
             tag_free: self.tag_free,
             conflicts: 0,
         };
-        let (tap, next) = plain.pass(taps, self.taps.planes_from(begin), slots, at);
+        let (tap, next) = plain.pass(taps, self.taps.planes_from(begin), runs, at);
         let conflicts = plain.conflicts;
         self.tag_free = plain.tag_free;
         self.spent += conflicts;
@@ -287,19 +287,19 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         tap
     }
 
-    /// All taps, their runs, whether two lines of a tap of two are in one bank, and the slots of their lines.
-    pub(super) fn pass_runs(mut self, Runs { runs, counts }: Runs<'_>, clashes: &[u8], slots: &[u32]) {
+    /// All taps, their runs, in which slots are noted, and whether two lines of a tap of two are in one bank.
+    pub(super) fn pass_runs(mut self, runs: Runs<'_>, clashes: &[u8]) {
         let (mut begin, number, mut at) = (0, self.taps.number(), 0);
         while begin < number {
             begin = self.pass_some(begin..number, |passing, tap, end| {
-                let (tap, first) = passing.pass_plain(tap..end, counts, clashes, slots, at);
+                let (tap, first) = passing.pass_plain(tap..end, runs, clashes, at);
                 at = first;
                 if tap == end {
                     return tap;
                 }
-                let next = at + usize::from(counts[tap]);
-                passing.pass_one(tap, &runs[at..next], &slots[at..next]);
-                at = next;
+                let count = runs.counts[tap];
+                at += usize::from(count & !Runs::REPEATED);
+                passing.pass_one(tap, &runs.runs[first..at], count & Runs::REPEATED != 0);
                 tap + 1
             });
         }

@@ -7,6 +7,7 @@ use super::{
     passing::{HIT, MERGED},
     slots::Slots,
 };
+use crate::cache::Run;
 
 /// What such taps need: laid open and by value, so that a host can have it in registers.
 pub(super) struct Plain<'h> {
@@ -26,23 +27,23 @@ pub(super) struct Plain<'h> {
 }
 
 impl Plain<'_> {
-    /// Passes taps from this one on, up to one that is not plain or the end: they are of these planes, and the first line is in slot number `at`. The
-    /// answer is that tap, and the number of its first slot. The last slot is left to others: it is looked ahead of a tap.
+    /// Passes taps from this one on, up to one that is not plain or the end: they are of these planes, and their runs, in which slots are noted, begin with
+    /// number `at`. The answer is that tap, and the number of its first run. The last run is left to others: it is looked ahead of a tap.
     #[inline(always)]
     pub(super) fn pass(
         &mut self,
         Range { start: mut tap, end }: Range<usize>,
         mut planes: impl Iterator<Item = u16>,
-        slots: &[u32],
+        runs: &[Run],
         mut at: usize,
     ) -> (usize, usize) {
         let (counts, clashes, rooms) = (&self.counts[..end], &self.clashes[..end], &self.rooms[..end]);
         let (tags, ready) = (&mut self.tags[..end], &mut self.ready[..end]);
         let nothing = self.status.nothing();
         let (mut free, mut conflicts) = (self.tag_free, 0);
-        while tap < end && at + 1 < slots.len() {
+        while tap < end && at + 1 < runs.len() {
             let (count, clash) = (counts[tap], u64::from(clashes[tap]));
-            let [first, second] = [slots[at], slots[at + 1]];
+            let [first, second] = [runs[at].noted(), runs[at + 1].noted()];
             // Which it is no host can guess.
             let second = select_unpredictable(count == 2, second, nothing);
             if count.wrapping_sub(1) > 1 || (first | second) & Slots::MISSED != 0 {

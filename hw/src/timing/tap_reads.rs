@@ -66,7 +66,7 @@ impl RunObserver for TapReads {
     }
 
     #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) {
+    fn hit(&mut self, run: &mut Run, slot: u32) {
         if run.is_repeated() {
             self.hit_in(run.tap() as u32, run.line, slot);
         } else {
@@ -75,14 +75,14 @@ impl RunObserver for TapReads {
     }
 
     #[inline(always)]
-    fn miss(&mut self, run: &Run, slot: u32, _: Option<u64>) {
+    fn miss(&mut self, run: &mut Run, slot: u32, _: Option<u64>) {
         self.miss_in(run.tap() as u32, run.line, slot);
     }
 }
 
 impl RunHits for &mut TapReads {
     #[inline(always)]
-    fn hit(&mut self, run: &Run, slot: u32) -> bool {
+    fn hit(&mut self, run: &mut Run, slot: u32) -> bool {
         RunObserver::hit(*self, run, slot);
         true
     }
