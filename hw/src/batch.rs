@@ -99,21 +99,21 @@ impl Batch<'_> {
     }
 }
 
-/// Tells of each plane how many taps read it, in some pieces. Mostly two taps have the same planes as the two before.
-pub(crate) fn count_planes(taps: &[Footprint], mut add: impl FnMut(usize, u64)) {
+/// Tells of which planes taps are, two by two as they come and one that may be left, and how many times in a row: mostly two are of the same planes as the
+/// two before.
+pub(crate) fn count_planes(taps: &[Footprint], mut add: impl FnMut(&[u16], u64)) {
     let (pairs, rest) = taps.as_chunks();
-    let (mut last, mut times) = ([0; 2], 0);
-    let mut add_both = |of: [u16; 2], times: u64| of.iter().for_each(|&plane| add(plane.into(), times));
+    let (mut last, mut times) = ((0, 0), 0);
     for [first, second] in pairs {
-        let now = [first.plane, second.plane];
+        let now = (first.plane, second.plane);
         if now != last {
-            add_both(last, times);
+            add(&<[u16; 2]>::from(last), times);
             (last, times) = (now, 0);
         }
         times += 1;
     }
-    add_both(last, times);
-    rest.iter().for_each(|tap| add(tap.plane.into(), 1));
+    add(&<[u16; 2]>::from(last), times);
+    rest.iter().for_each(|tap| add(&[tap.plane], 1));
 }
 
 /// Whoever looks at the address stream between the address unit and the datapath.

@@ -266,7 +266,9 @@ impl Splitter {
                 );
                 next += found * LANES;
                 count += written;
-                count_planes(&batch.taps[number..next], |plane, taps| planes[plane].lookups += 4 * taps);
+                count_planes(&batch.taps[number..next], |of, times| {
+                    of.iter().for_each(|&plane| planes[usize::from(plane)].lookups += 4 * times);
+                });
             }
             // What lanes leave, eight at most.
             number = batch.taps.len().min(next + LANES);

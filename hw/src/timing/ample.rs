@@ -191,7 +191,7 @@ impl Ample {
         requests: Requests<'_>,
         taps: &impl Taps,
         Clocks { issue, taps: TapClocks { tags, data_done, .. }, entry, lod, issued, data, result, .. }: &mut Clocks,
-        Beside { parameters, histograms, .. }: &mut Beside<'_, O>,
+        Beside { parameters, histograms, planes, .. }: &mut Beside<'_, O>,
     ) {
         let [_, _, _, data_latency, filter_latency] = latencies(parameters);
         self.tap_fifo.pass_one_a_clock(&mut self.sequencer, tags, issue);
@@ -208,7 +208,7 @@ impl Ample {
         self.counts.cycles = result[result.len() - 1] + 1;
         self.counts.requests += result.len() as u64;
         self.counts.taps += tags.len() as u64;
-        count_requests(requests, taps, histograms);
+        count_requests(requests, taps, histograms, planes);
     }
 }
 
@@ -262,26 +262,34 @@ fn of_last(requests: Requests<'_>, clocks: &[u64], later: i64, to: &mut Vec<u64>
     }
 }
 
-/// Counts requests by taps and planes. Most are of the same shape as the one before.
-fn count_requests(requests: Requests<'_>, taps: &impl Taps, histograms: &mut Histograms) {
-    let number = taps.number();
+/// Counts taps by plane, and requests by taps and planes.
+fn count_requests(requests: Requests<'_>, taps: &impl Taps, histograms: &mut Histograms, planes: &mut [PlaneTiming]) {
+    let (mut pairs, mut singles, number) = ([0; 2], 0, taps.number());
+    taps.count_planes(|of, times, reads| {
+        for &plane in of {
+            let row = &mut planes[usize::from(plane)];
+            row.taps += times;
+            row.reads += times * reads;
+        }
+        match of {
+            [first, second] => pairs[usize::from(first != second)] += times,
+            _ => singles += times,
+        }
+    });
     match requests {
         Requests::Each(1) => histograms.add((1, 1), number as u64),
-        Requests::Each(2) => {
-            let [first, second] = [0, 1].map(|tap| taps.planes_from(tap).step_by(2));
-            let of_two = first.zip(second).filter(|(first, second)| first != second).count();
-            histograms.add((2, 1), (number / 2 - of_two) as u64);
-            histograms.add((2, 2), of_two as u64);
+        Requests::Each(2) if singles == 0 => {
+            histograms.add((2, 1), pairs[0]);
+            histograms.add((2, 2), pairs[1]);
         }
         Requests::Each(each) => {
-            let ends = (1..=number / each).map(|request| request * each);
-            count_one_by_one(ends, taps, histograms);
+            count_one_by_one((1..=number / each).map(|request| request * each), taps, histograms);
         }
         Requests::Ends(ends) => count_one_by_one(ends.iter().map(|&end| end as usize), taps, histograms),
     }
 }
 
-/// [`count_requests`] of any.
+/// Counts requests by taps and planes. Most are of the same shape as the one before.
 fn count_one_by_one(ends: impl Iterator<Item = usize>, taps: &impl Taps, histograms: &mut Histograms) {
     let (mut begin, mut shape, mut of_shape) = (0, (0, 0), 0);
     for end in ends {

@@ -203,7 +203,7 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         clashes: &[u8],
         at: usize,
     ) -> (usize, usize) {
-        let begin = taps.start;
+        let Range { start: begin, end } = taps;
         let mut plain = Plain {
             counts,
             clashes,
@@ -216,7 +216,7 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
             tag_free: self.tag_free,
             conflicts: 0,
         };
-        let (tap, next) = plain.pass(taps, self.taps.planes_from(begin), runs, at);
+        let (tap, next) = plain.pass(taps, self.taps.planes_before(end), runs, at);
         let conflicts = plain.conflicts;
         self.tag_free = plain.tag_free;
         self.spent += conflicts;
@@ -337,10 +337,6 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         if O::WATCHES {
             watched.data.extend(self.places[self.depth..].iter().map(|free| free - 1));
         }
-        self.taps.count_by_plane(|plane, taps, reads| {
-            self.planes[plane].taps += taps;
-            self.planes[plane].reads += reads;
-        });
         for (row, hits) in self.planes.iter_mut().zip(&mut self.clocks.hits) {
             row.fetches_ok += *hits % MERGED;
             row.fetches_merged += *hits / MERGED;

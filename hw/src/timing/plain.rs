@@ -27,13 +27,13 @@ pub(super) struct Plain<'h> {
 }
 
 impl Plain<'_> {
-    /// Passes taps from this one on, up to one that is not plain or the end: they are of these planes, and their runs, in which slots are noted, begin with
+    /// Passes taps from this one on, up to one that is not plain or the end: their planes are told, and their runs, in which slots are noted, begin with
     /// number `at`. The answer is that tap, and the number of its first run. The last run is left to others: it is looked ahead of a tap.
     #[inline(always)]
     pub(super) fn pass(
         &mut self,
         Range { start: mut tap, end }: Range<usize>,
-        mut planes: impl Iterator<Item = u16>,
+        plane_of: impl Fn(usize) -> u16,
         runs: &[Run],
         mut at: usize,
     ) -> (usize, usize) {
@@ -53,8 +53,7 @@ impl Plain<'_> {
             // A tap of one line has no clash.
             let done = tag + clash;
             let Some(merged) = self.status.hit_two([first, second], [tag, done]) else { break };
-            let Some(plane) = planes.next() else { break };
-            self.hits[usize::from(plane)] += u64::from(count) * HIT + merged * MERGED;
+            self.hits[usize::from(plane_of(tap))] += u64::from(count) * HIT + merged * MERGED;
             tags[tap] = tag;
             ready[tap] = done + self.tag_latency;
             conflicts += clash;

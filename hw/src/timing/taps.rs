@@ -10,14 +10,14 @@ pub(super) trait Taps {
     fn number(&self) -> usize;
     /// Storage index of the plane.
     fn plane(&self, tap: usize) -> u16;
-    /// Those of all from this one on.
-    fn planes_from(&self, tap: usize) -> impl Iterator<Item = u16>;
+    /// Those of taps before this one, for a loop.
+    fn planes_before(&self, end: usize) -> impl Fn(usize) -> u16;
     /// The addresses it reads, in order.
     fn addresses(&self, tap: usize) -> &[u64];
     /// How many all taps read.
     fn reads(&self) -> u64;
-    /// Tells of each plane how many taps read it, and how much these read, in some pieces.
-    fn count_by_plane(&self, add: impl FnMut(usize, u64, u64));
+    /// Tells of which planes taps are, as [`count_planes`] does or one by one; last, how much each of them reads.
+    fn count_planes(&self, add: impl FnMut(&[u16], u64, u64));
     /// More than the storage index of any plane.
     fn planes(&self) -> usize;
     /// Whether the words of each tap are known to be in as many data banks as they are.
@@ -44,8 +44,9 @@ impl Taps for InPlace<'_> {
     }
 
     #[inline(always)]
-    fn planes_from(&self, tap: usize) -> impl Iterator<Item = u16> {
-        self.taps[tap..].iter().map(|tap| tap.plane)
+    fn planes_before(&self, end: usize) -> impl Fn(usize) -> u16 {
+        let taps = &self.taps[..end];
+        |tap| taps[tap].plane
     }
 
     #[inline(always)]
@@ -58,8 +59,8 @@ impl Taps for InPlace<'_> {
     }
 
     #[inline(always)]
-    fn count_by_plane(&self, mut add: impl FnMut(usize, u64, u64)) {
-        count_planes(self.taps, |plane, taps| add(plane, taps, taps * self.texels as u64));
+    fn count_planes(&self, mut add: impl FnMut(&[u16], u64, u64)) {
+        count_planes(self.taps, |planes, times| add(planes, times, self.texels as u64));
     }
 
     /// Not those of a surface: whoever has several textures in one memory numbers their planes one after the other.
@@ -105,8 +106,9 @@ impl Taps for Gathered {
         self.taps[tap].0
     }
 
-    fn planes_from(&self, tap: usize) -> impl Iterator<Item = u16> {
-        self.taps[tap..].iter().map(|&(plane, _)| plane)
+    fn planes_before(&self, end: usize) -> impl Fn(usize) -> u16 {
+        let taps = &self.taps[..end];
+        |tap| taps[tap].0
     }
 
     fn addresses(&self, tap: usize) -> &[u64] {
@@ -118,9 +120,9 @@ impl Taps for Gathered {
         self.addresses.len() as u64
     }
 
-    fn count_by_plane(&self, mut add: impl FnMut(usize, u64, u64)) {
+    fn count_planes(&self, mut add: impl FnMut(&[u16], u64, u64)) {
         for tap in 0..self.taps.len() {
-            add(self.plane(tap).into(), 1, self.addresses(tap).len() as u64);
+            add(&[self.plane(tap)], 1, self.addresses(tap).len() as u64);
         }
     }
 
