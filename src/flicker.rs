@@ -1,6 +1,6 @@
 //! Temporal error: what an image does from one frame to the next that the truth does not.
 
-use texunit_hw::{Filter, Response, cache::TexelCache};
+use texunit_hw::{Filter, cache::TexelCache};
 
 use crate::{
     error::Result,
@@ -49,32 +49,31 @@ impl Flicker {
     pub fn frame(&mut self, stage: &Stage, machine: &Machine, pyramids: &Pyramids) -> Result<()> {
         let (pyramid, memory) = pyramids.of(self.filter);
         let bench = Bench::new(stage, machine, self.filter, pyramid, memory);
-        let mut responses = vec![Response::default(); bench.requests.len()];
-        let mut unit = bench.unit()?;
+        let bytes = memory.surface.bytes_per_read();
         let mut warm = match self.cache.take() {
             Some(cache) => cache,
-            None => memory.behind(cache(machine, memory.surface.bytes_per_read())?),
+            None => memory.behind(cache(machine, bytes)?),
         };
-        unit.run(&bench.requests, &mut responses, &mut warm);
-        self.cache = Some(warm);
-        let mut cold = memory.behind(cache(machine, memory.surface.bytes_per_read())?);
-        unit.addresses(&bench.requests, &mut cold);
-        self.cold_bytes += cold.counters().bytes_fetched;
-        self.pixels += responses.len() as u64;
-
+        let (mut cold, mut other_unit) = (memory.behind(cache(machine, bytes)?), bench.unit()?);
         let width = stage.scene.size[0] as usize;
         let mut errors = vec![[f64::NAN; 4]; width * stage.scene.size[1] as usize];
         self.before.resize(errors.len(), [f64::NAN; 4]);
-        for (fragment, response) in stage.fragments.iter().zip(&responses) {
-            let truth = stage.truth.at(fragment.x, fragment.y).map(f64::from);
-            let answer = response.texel.map(f64::from);
-            self.spatial.add(answer, truth);
-            let at = usize::from(fragment.y) * width + usize::from(fragment.x);
-            errors[at] = [0, 1, 2, 3].map(|channel| answer[channel] - truth[channel]);
-            if !self.before[at][0].is_nan() {
-                self.temporal.add(errors[at], self.before[at]);
+        let answers = bench.answer(&mut warm, |fragments, requests, responses| {
+            other_unit.addresses(requests, &mut cold);
+            for (fragment, response) in fragments.iter().zip(responses) {
+                let truth = stage.truth.at(fragment.x, fragment.y).map(f64::from);
+                let answer = response.texel.map(f64::from);
+                self.spatial.add(answer, truth);
+                let at = usize::from(fragment.y) * width + usize::from(fragment.x);
+                errors[at] = [0, 1, 2, 3].map(|channel| answer[channel] - truth[channel]);
+                if !self.before[at][0].is_nan() {
+                    self.temporal.add(errors[at], self.before[at]);
+                }
             }
-        }
+        })?;
+        self.cache = Some(warm);
+        self.cold_bytes += cold.counters().bytes_fetched;
+        self.pixels += answers.pixels;
         self.before = errors;
         Ok(())
     }

@@ -1,9 +1,7 @@
 //! Error against cost, for every filter and for the knobs inside it.
 
-use std::time::Instant;
-
 use serde_json::{Value, json};
-use texunit_hw::{Filter, PyramidKind, Response};
+use texunit_hw::{Filter, PyramidKind};
 
 use crate::{
     area,
@@ -128,17 +126,14 @@ impl<'s> Study<'s> {
         };
         let (pyramid, memory) = self.pyramids[at].2.of(filter);
         let bench = Bench::new(self.stage, &machine, filter, pyramid, memory);
-        let mut responses = vec![Response::default(); bench.requests.len()];
         let mut cache = memory.behind(cache(&machine, memory.surface.bytes_per_read())?);
-        let begin = Instant::now();
-        bench.unit()?.run(&bench.requests, &mut responses, &mut cache);
-        let seconds = begin.elapsed().as_secs_f64();
-        let pixels = responses.len() as u64;
-        let mut metrics = report::traffic_metrics(&cache.counters(), pixels);
-        metrics.push(report::host_metric(seconds, pixels));
-        metrics.extend(report::deviation_metrics(report::AGAINST_TRUTH, &bench.against_truth(&responses)));
-        metrics.extend(ImageQuality::of(self.stage, &responses).metrics());
-        metrics.extend(bench.time(&machine)?.metrics());
+        let mut timer = bench.timer(&machine)?;
+        let answers = bench.answer(&mut cache, |_, requests, _| timer.time(requests))?;
+        let mut metrics = report::traffic_metrics(&cache.counters(), answers.pixels);
+        metrics.push(report::host_metric(answers.host_seconds, answers.pixels));
+        metrics.extend(report::deviation_metrics(report::AGAINST_TRUTH, &answers.against_truth));
+        metrics.extend(ImageQuality::of(self.stage, &answers.picture).metrics());
+        metrics.extend(timer.finish().0.metrics());
         metrics.extend(area::metrics(&machine, filter));
         Ok(Candidate { variant: variant.clone(), metrics, front: false })
     }

@@ -136,18 +136,17 @@ impl<'s> TimedBench<'s> {
             scene.for_each_block(|block| seen.add(block));
         });
         let sampler = machine.sampler(filter, address, LodSource::Gradient);
-        let draw = |time: &mut dyn FnMut(&[Request])| {
-            let (mut blocks, mut requests) = (scene.blocks(), Vec::new());
-            while let Some(block) = blocks.next_block() {
-                requests.clear();
-                requests.extend(block.iter().map(|fragment| front_end.request(fragment).0));
-                time(&requests);
-                if !go_on(requests.len() as u64) {
-                    break;
-                }
+        let mut timer = Timer::new(machine, &sampler, memory, epoch, observer)?;
+        let (mut blocks, mut requests) = (scene.blocks(), Vec::new());
+        while let Some(block) = blocks.next_block() {
+            requests.clear();
+            requests.extend(block.iter().map(|fragment| front_end.request(fragment).0));
+            timer.time(&requests);
+            if !go_on(requests.len() as u64) {
+                break;
             }
-        };
-        time_blocks(machine, &sampler, memory, draw, epoch, observer)
+        }
+        Ok(timer.finish())
     }
 }
 
@@ -161,60 +160,92 @@ pub fn time_requests(
     memory: &TextureMemory,
     requests: &[Request],
 ) -> Result<Timed> {
-    Ok(time_blocks(machine, sampler, memory, |time| time(requests), None, ())?.0)
+    let mut timer = Timer::new(machine, sampler, memory, None, ())?;
+    timer.time(requests);
+    Ok(timer.finish().0)
 }
 
-/// Times the requests that `draw` hands on, an epoch every so many of them, with someone watching.
-fn time_blocks<O: TimingObserver>(
-    machine: &Machine,
-    sampler: &Sampler,
-    memory: &TextureMemory,
-    draw: impl FnOnce(&mut dyn FnMut(&[Request])),
+/// Requests through a machine in time, as they come.
+#[derive(Debug)]
+pub struct Timer<'m, O> {
+    machine: &'m Machine,
+    memory: &'m TextureMemory,
+    filter: Filter,
+    /// Reads of a tap.
+    texels: u32,
+    unit: Unit<'m>,
+    timing: Timing<O>,
+    /// Requests of an epoch, and of the one at hand those to come.
     epoch: Option<usize>,
-    observer: O,
-) -> Result<(Timed, O)> {
-    let filter = sampler.filter;
-    let surface = &memory.surface;
-    let wrong = |problem: String| Error::setting("machine", &machine.name, problem, "change the machine");
-    let mut unit = Unit::new(sampler, surface, &memory.bytes).map_err(|error| wrong(error.to_string()))?;
-    let texels = if filter == Filter::Point { 1 } else { 4 };
-    // Time does not ask why a line is missed, nor what of it is used.
-    let detail = Detail { classes: false, line_use: false };
-    let cache = memory.behind(cache_that_keeps(detail, machine, surface.bytes_per_read())?);
-    // An entry of a summed-area table or a block is read whole: its banks are as wide as it is (docs/timing.md).
-    let mut parameters = machine.timing.parameters();
-    parameters.data_bank_bytes = parameters.data_bank_bytes.max(surface.bytes_per_read().next_power_of_two());
-    let mut timing =
-        Timing::new(&parameters, &machine.memory.parameters(), cache, texels * surface.reads_per_texel(), observer)
-            .map_err(|error| wrong(error.to_string()))?;
-    let length = epoch.unwrap_or(usize::MAX).max(1);
-    let (mut epochs, mut left) = (Vec::new(), length);
-    draw(&mut |mut requests| {
+    left: usize,
+    epochs: Vec<TimingCounters>,
+}
+
+impl<'m, O: TimingObserver> Timer<'m, O> {
+    /// A machine at rest, an epoch every so many requests, with someone watching.
+    ///
+    /// # Errors
+    /// A machine that cannot run.
+    pub fn new(
+        machine: &'m Machine,
+        sampler: &Sampler,
+        memory: &'m TextureMemory,
+        epoch: Option<usize>,
+        observer: O,
+    ) -> Result<Self> {
+        let surface = &memory.surface;
+        let wrong = |problem: String| Error::setting("machine", &machine.name, problem, "change the machine");
+        let unit = Unit::new(sampler, surface, &memory.bytes).map_err(|error| wrong(error.to_string()))?;
+        let texels = if sampler.filter == Filter::Point { 1 } else { 4 };
+        // Time does not ask why a line is missed, nor what of it is used.
+        let detail = Detail { classes: false, line_use: false };
+        let cache = memory.behind(cache_that_keeps(detail, machine, surface.bytes_per_read())?);
+        // An entry of a summed-area table or a block is read whole: its banks are as wide as it is (docs/timing.md).
+        let mut parameters = machine.timing.parameters();
+        parameters.data_bank_bytes = parameters.data_bank_bytes.max(surface.bytes_per_read().next_power_of_two());
+        let timing =
+            Timing::new(&parameters, &machine.memory.parameters(), cache, texels * surface.reads_per_texel(), observer)
+                .map_err(|error| wrong(error.to_string()))?;
+        let left = epoch.unwrap_or(usize::MAX).max(1);
+        Ok(Self { machine, memory, filter: sampler.filter, texels, unit, timing, epoch, left, epochs: Vec::new() })
+    }
+
+    /// Times the next requests.
+    pub fn time(&mut self, mut requests: &[Request]) {
         while !requests.is_empty() {
-            let (of_epoch, after) = requests.split_at(left.min(requests.len()));
-            unit.addresses(of_epoch, &mut timing);
-            left -= of_epoch.len();
+            let (of_epoch, after) = requests.split_at(self.left.min(requests.len()));
+            self.unit.addresses(of_epoch, &mut self.timing);
+            self.left -= of_epoch.len();
             requests = after;
-            if left == 0 {
-                epochs.push(timing.counters());
-                left = length;
+            if self.left == 0 {
+                self.epochs.push(self.timing.counters());
+                self.left = self.length();
             }
         }
-    });
-    if epoch.is_some() && left < length {
-        epochs.push(timing.counters());
     }
-    let counters = timing.counters();
-    let planes = surface.planes.iter().map(|plane| (plane.lu, plane.lv)).zip(timing.planes()).collect();
-    let word = machine.timing.data_bank_bytes;
-    let timed = Timed {
-        filter,
-        counters,
-        planes,
-        histograms: *timing.histograms(),
-        epochs,
-        bytes_requested: timing.cache().counters().bytes_requested,
-        energy: machine.energy.of(&counters, word, texels, memory.channels),
-    };
-    Ok((timed, timing.into_observer()))
+
+    /// What they took, and whoever watched.
+    #[must_use]
+    pub fn finish(mut self) -> (Timed, O) {
+        if self.epoch.is_some() && self.left < self.length() {
+            self.epochs.push(self.timing.counters());
+        }
+        let Self { machine, memory, filter, texels, timing, epochs, .. } = self;
+        let counters = timing.counters();
+        let word = machine.timing.data_bank_bytes;
+        let timed = Timed {
+            filter,
+            counters,
+            planes: memory.surface.planes.iter().map(|plane| (plane.lu, plane.lv)).zip(timing.planes()).collect(),
+            histograms: *timing.histograms(),
+            epochs,
+            bytes_requested: timing.cache().counters().bytes_requested,
+            energy: machine.energy.of(&counters, word, texels, memory.channels),
+        };
+        (timed, timing.into_observer())
+    }
+
+    fn length(&self) -> usize {
+        self.epoch.unwrap_or(usize::MAX).max(1)
+    }
 }

@@ -7,7 +7,6 @@ use texunit::{
     experiment::{ImageQuality, Stage},
     scene::{Scene, Shape},
 };
-use texunit_hw::Response;
 
 fn texunit(folder: &Path, arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_texunit")).args(arguments).current_dir(folder).output().unwrap();
@@ -134,9 +133,13 @@ fn the_truth_itself_is_perfectly_similar_and_its_mean_is_all_blur() {
     let mut scene = Scene::builtin("rectangle-checkerboard").unwrap();
     scene.size = [64, 48];
     let stage = Stage::new(scene);
-    let answers = |texel: &dyn Fn([f32; 4]) -> [u8; 4]| -> Vec<Response> {
-        let truths = stage.fragments.iter().map(|fragment| stage.truth.at(fragment.x, fragment.y));
-        truths.map(|truth| Response { texel: texel(truth), ..Response::default() }).collect()
+    let answers = |texel: &dyn Fn([f32; 4]) -> [u8; 4]| {
+        let mut picture = stage.empty_picture();
+        for fragment in stage.scene.fragments() {
+            let truth = stage.truth.at(fragment.x, fragment.y);
+            picture.put_pixel(fragment.x.into(), fragment.y.into(), image::Rgba(texel(truth)));
+        }
+        picture
     };
     let exact = ImageQuality::of(&stage, &answers(&|truth| truth.map(|channel| (channel + 0.5) as u8)));
     // Rounding to 8 bits adds a variance of 1/12, beside the formula's constant (0.03 * 255)^2 = 58.5.

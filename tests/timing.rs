@@ -288,7 +288,7 @@ fn a_line_of_four_blocks_in_a_row_costs_their_bytes_in_one_request_and_a_slow_de
     let slow = outcome(&stored("herf-12.20", &[bc1[0], bc1[1], BEFORE_CACHE, slow[0], slow[1]]), Filter::Bilinear);
     assert_eq!(slow.timed.counters.decompressor_busy, 16 * c.fills);
     assert!(slow.timed.counters.cycles > c.cycles);
-    assert_eq!((slow.counters, slow.responses), (before.counters, before.responses));
+    assert_eq!((slow.counters, slow.picture), (before.counters, before.picture));
 }
 
 #[test]

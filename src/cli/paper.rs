@@ -65,7 +65,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             continue;
         }
         let stage = Stage::new(scene);
-        say!("\n{}, {} pixels, as figure {}", stage.scene.name, stage.fragments.len(), row.figure);
+        say!("\n{}, {} pixels, as figure {}", stage.scene.name, stage.coverage.covered, row.figure);
         say!("{}", measured(&stage, &machine, row, args.repeats)?);
     }
     say!(
@@ -99,7 +99,7 @@ fn measured(stage: &Stage, machine: &Machine, row: &Published, repeats: u8) -> R
         let (pyramid, memory) = pyramids.of(filter);
         let bench = Bench::new(stage, &machine, filter, pyramid, memory);
         let outcome = bench.measure(&machine)?;
-        let pixels = outcome.responses.len().max(1) as f64;
+        let pixels = outcome.pixels.max(1) as f64;
         let seconds = bench.texel_seconds(repeats)?;
         let mipmap = *of_mipmap.get_or_insert(seconds);
         let texels = outcome.counters.lookups as f64 / pixels;

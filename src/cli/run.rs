@@ -87,8 +87,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
                     return Ok(None);
                 }
                 progress.set_message(format!("{}: {}", stage.scene.name, filter.name()));
-                let measured = Measured::new(*filter, &stage, &machine, &pyramids, args.leave_out)?;
-                written.images(&stage, filter.name(), &measured)?;
+                let mut measured = Measured::new(*filter, &stage, &machine, &pyramids, args.leave_out)?;
+                written.images(&stage, filter.name(), measured.take_picture())?;
                 progress.inc(1);
                 Ok(Some(measured))
             })
@@ -139,12 +139,12 @@ impl Measured {
         Ok(Self::Unit(Box::new(outcome)))
     }
 
-    /// The answers, in pixel order.
-    fn texels(&self) -> Vec<[u8; 4]> {
-        match self {
-            Self::Unit(outcome) => outcome.responses.iter().map(|response| response.texel).collect(),
-            Self::Float(outcome) => outcome.texels.clone(),
-        }
+    /// The answers, which are not needed for reports.
+    fn take_picture(&mut self) -> RgbaImage {
+        std::mem::take(match self {
+            Self::Unit(outcome) => &mut outcome.picture,
+            Self::Float(outcome) => &mut outcome.picture,
+        })
     }
 }
 
@@ -219,11 +219,11 @@ impl Written<'_> {
     }
 
     /// Image and difference of one filter.
-    fn images(&self, stage: &Stage, name: &str, measured: &Measured) -> Result<()> {
+    fn images(&self, stage: &Stage, name: &str, mut picture: RgbaImage) -> Result<()> {
         let folder = self.folder.join(&stage.scene.name);
-        let texels = measured.texels();
-        write_png(&folder.join(format!("{name}.png")), &stage.picture(texels.iter().copied()))?;
-        write_png(&folder.join(format!("{name}-difference.png")), &difference(stage, &texels))
+        write_png(&folder.join(format!("{name}.png")), &picture)?;
+        show_difference(stage, &mut picture);
+        write_png(&folder.join(format!("{name}-difference.png")), &picture)
     }
 
     /// The reports anew, with one scene more: an interrupted run leaves those of the finished scenes.
@@ -245,14 +245,13 @@ impl Written<'_> {
     }
 }
 
-/// Middle grey where answer and truth agree, the signed difference of each channel around it.
-fn difference(stage: &Stage, texels: &[[u8; 4]]) -> RgbaImage {
-    let texels = stage.fragments.iter().zip(texels).map(|(fragment, texel)| {
-        let truth = stage.truth.at(fragment.x, fragment.y);
-        let channel = |c: usize| (128.0 + f32::from(texel[c]) - truth[c]).round().clamp(0.0, 255.0) as u8;
-        [channel(0), channel(1), channel(2), 255]
-    });
-    stage.picture(texels)
+/// Instead of an answer its difference from the truth: middle grey where they agree, the signed difference of each channel around it.
+fn show_difference(stage: &Stage, picture: &mut RgbaImage) {
+    let pixels = picture.pixels_mut().zip(&stage.truth.texels).zip(&stage.covered).filter(|(_, covered)| **covered);
+    for ((pixel, truth), _) in pixels {
+        let channel = |c: usize| (128.0 + f32::from(pixel.0[c]) - truth[c]).round().clamp(0.0, 255.0) as u8;
+        pixel.0 = [channel(0), channel(1), channel(2), 255];
+    }
 }
 
 /// Writes a PNG whole or not at all.

@@ -1,6 +1,8 @@
 //! What the eye sees, in numbers: structural similarity, and whether a difference is aliasing or blur.
 
-use texunit_hw::Response;
+use std::collections::VecDeque;
+
+use image::RgbaImage;
 
 use super::{Stage, report::Metric};
 
@@ -22,22 +24,26 @@ pub struct ImageQuality {
 }
 
 impl ImageQuality {
-    /// Compares answers with the truth of their stage.
+    /// Compares a picture with the truth of its stage. No more than the rows of a window are looked at a time.
     #[must_use]
-    pub fn of(stage: &Stage, responses: &[Response]) -> Self {
+    pub fn of(stage: &Stage, picture: &RgbaImage) -> Self {
         let [width, height] = stage.scene.size.map(|side| side as usize);
+        let (answers, _) = picture.as_raw().as_chunks();
         // Answer and truth of every pixel; not a number where there is none, and so is every sum over it.
-        let mut luma = vec![[f64::NAN; 2]; width * height];
-        for (fragment, response) in stage.fragments.iter().zip(responses) {
-            let truth = stage.truth.at(fragment.x, fragment.y).map(f64::from);
-            luma[usize::from(fragment.y) * width + usize::from(fragment.x)] =
-                [brightness(response.texel.map(f64::from)), brightness(truth)];
-        }
+        let luma = |at: usize| match stage.covered[at] {
+            true => [answers[at].map(f64::from), stage.truth.texels[at].map(f64::from)]
+                .map(|texel: [f64; 4]| brightness(texel)),
+            false => [f64::NAN; 2],
+        };
+        let mut rows: VecDeque<Vec<[f64; 2]>> = VecDeque::with_capacity(WINDOW);
         let (mut windows, mut ssim, mut alias, mut blur) = (0.0, 0.0, 0.0, 0.0);
         for top in (0..(height + 1).saturating_sub(WINDOW)).step_by(STEP) {
+            rows.drain(..STEP.min(rows.len()));
+            for y in top + rows.len()..top + WINDOW {
+                rows.push_back((y * width..(y + 1) * width).map(luma).collect());
+            }
             for left in (0..(width + 1).saturating_sub(WINDOW)).step_by(STEP) {
-                let rows = (top..top + WINDOW).map(|y| &luma[y * width + left..y * width + left + WINDOW]);
-                let Some(window) = Window::of(rows.flatten()) else { continue };
+                let Some(window) = Window::of(rows.iter().flat_map(|row| &row[left..left + WINDOW])) else { continue };
                 windows += 1.0;
                 ssim += window.ssim();
                 alias += (window.variance[0] - window.variance[1]).max(0.0);

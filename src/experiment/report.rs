@@ -81,7 +81,7 @@ pub fn host_metric(seconds: f64, pixels: u64) -> Metric {
 /// Everything countable about an outcome, in the order of the report.
 #[must_use]
 pub fn metrics(outcome: &Outcome) -> Vec<Metric> {
-    let pixels = outcome.responses.len() as u64;
+    let pixels = outcome.pixels;
     let mut metrics = traffic_metrics(&outcome.counters, pixels);
     metrics.extend([
         metric("pyramid_texels", outcome.memory.texels as f64, "texel"),
@@ -113,7 +113,7 @@ pub fn metrics_json(metrics: &[Metric]) -> Value {
 /// The same of a filter in floats: no cache, no bits, no memory of its own.
 #[must_use]
 pub fn float_metrics(outcome: &FloatOutcome) -> Vec<Metric> {
-    let pixels = outcome.texels.len() as u64;
+    let pixels = outcome.pixels;
     let per_pixel = outcome.texels_read as f64 / pixels.max(1) as f64;
     let mut metrics = vec![
         metric("pixels", pixels as f64, "pixel"),

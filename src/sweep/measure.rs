@@ -1,7 +1,7 @@
 //! What is found out at one point of a sweep.
 
 use serde::{Deserialize, Serialize};
-use texunit_hw::{Filter, Geometry, Response};
+use texunit_hw::{Filter, Geometry};
 
 use super::Caches;
 use crate::{
@@ -78,13 +78,9 @@ pub fn on_stage(
         return Ok(Measured { metrics: vec![], cells: cells.collect::<Result<_>>()? });
     }
     let mut caches = caches(machine, geometries)?;
-    let mut responses = vec![Response::default(); bench.requests.len()];
-    bench.unit()?.run(&bench.requests, &mut responses, &mut caches);
-    let metrics = report::deviation_metrics(report::AGAINST_TRUTH, &bench.against_truth(&responses));
-    Ok(Measured {
-        metrics: metrics.into(),
-        cells: cells(caches, responses.len() as u64, memory.surface.bytes_per_read()),
-    })
+    let answers = bench.answer(&mut caches, |_, _, _| ())?;
+    let metrics = report::deviation_metrics(report::AGAINST_TRUTH, &answers.against_truth);
+    Ok(Measured { metrics: metrics.into(), cells: cells(caches, answers.pixels, memory.surface.bytes_per_read()) })
 }
 
 fn caches(machine: &Machine, geometries: &[Geometry]) -> Result<Caches> {

@@ -19,7 +19,7 @@ use texunit_hw::{AddressMode, Filter};
 
 /// A scene's fragments as a stream of its texture.
 fn stream_of(stage: &Stage) -> Stream {
-    let requests = stage.fragments.iter().map(|&fragment| StreamRequest { fragment, texture: 0, filter: None });
+    let requests = stage.scene.fragments().map(|fragment| StreamRequest { fragment, texture: 0, filter: None });
     Stream {
         textures: vec![NamedTexture { name: "it".into(), image: stage.texture.clone() }],
         requests: requests.collect(),
@@ -43,10 +43,12 @@ fn the_stream_of_a_scene_is_the_scene() {
         let filter = *filter;
         let pyramids = Pyramids::for_filters(machine, &stage.texture, &[filter]).unwrap();
         let (pyramid, memory) = pyramids.of(filter);
-        let scene = Bench::new(&stage, machine, filter, pyramid, memory).measure(machine).unwrap();
+        let mut responses = Vec::new();
+        let bench = Bench::new(&stage, machine, filter, pyramid, memory);
+        let scene = bench.measure_watched(machine, |batch| responses.extend_from_slice(batch)).unwrap();
         let run = StreamRun::new(&stream, machine, filter, stage.scene.texture.wrap).unwrap();
         let outcome = run.measure().unwrap();
-        assert_eq!(outcome.responses, scene.responses, "{filter:?}");
+        assert_eq!(outcome.responses, responses, "{filter:?}");
         assert_eq!(outcome.counters, scene.counters, "{filter:?}");
         assert_eq!(outcome.timing, scene.timed.counters, "{filter:?}");
         assert_eq!((outcome.mismatches, outcome.parts.len()), (0, 1));
@@ -63,10 +65,10 @@ fn textures_and_filters_share_one_cache_and_are_counted_apart() {
         stages.iter().map(|stage| NamedTexture { name: stage.scene.name.clone(), image: stage.texture.clone() });
     let mut stream = Stream { textures: textures.collect(), ..Stream::default() };
     // Interleaved, so that runs of equal requests are short.
-    for (number, (a, b)) in stages[0].fragments.iter().zip(&stages[1].fragments).enumerate() {
+    for (number, (a, b)) in stages[0].scene.fragments().zip(stages[1].scene.fragments()).enumerate() {
         let filter = Some(filters[number / 5 % 3]);
-        stream.requests.push(StreamRequest { fragment: *a, texture: 0, filter });
-        stream.requests.push(StreamRequest { fragment: *b, texture: 1, filter });
+        stream.requests.push(StreamRequest { fragment: a, texture: 0, filter });
+        stream.requests.push(StreamRequest { fragment: b, texture: 1, filter });
     }
     let run = StreamRun::new(&stream, &machine, Filter::Point, [AddressMode::Wrap; 2]).unwrap();
     let outcome = run.measure().unwrap();
@@ -101,8 +103,8 @@ fn textures_behind_one_decompressor_each_bring_their_own_bytes() {
         let mut stream = Stream::default();
         for (texture, &stage) in which.iter().enumerate() {
             stream.textures.extend(stream_of(&stages[stage]).textures);
-            let requests = stages[stage].fragments.iter();
-            stream.requests.extend(requests.map(|&fragment| StreamRequest { fragment, texture, filter: None }));
+            let requests = stages[stage].scene.fragments();
+            stream.requests.extend(requests.map(|fragment| StreamRequest { fragment, texture, filter: None }));
         }
         StreamRun::new(&stream, &machine, Filter::Trilinear, [AddressMode::Wrap; 2]).unwrap().measure().unwrap()
     };

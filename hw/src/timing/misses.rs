@@ -88,14 +88,7 @@ impl Misses {
     /// An access that misses `line`, which comes to `slot`, the tag unit being free for it from `clock` on and its clocks entered to
     /// before `next`.
     #[inline(always)]
-    pub(super) fn miss(
-        &mut self,
-        line: u64,
-        slot: u32,
-        mut clock: u64,
-        next: u64,
-        row: &mut PlaneTiming,
-    ) -> Missed {
+    pub(super) fn miss(&mut self, line: u64, slot: u32, mut clock: u64, next: u64, row: &mut PlaneTiming) -> Missed {
         let mut tag = Ledger::at(next);
         if self.prefetching {
             let room = self.reorder_buffer.room_ahead(self.unread.len() - self.read);
