@@ -99,21 +99,38 @@ impl Batch<'_> {
     }
 }
 
-/// Tells of which planes taps are, two by two as they come and one that may be left, and how many times in a row: mostly two are of the same planes as the
-/// two before.
-pub(crate) fn count_planes(taps: &[Footprint], mut add: impl FnMut(&[u16], u64)) {
-    let (pairs, rest) = taps.as_chunks();
-    let (mut last, mut times) = ((0, 0), 0);
-    for [first, second] in pairs {
-        let now = (first.plane, second.plane);
-        if now != last {
-            add(&<[u16; 2]>::from(last), times);
-            (last, times) = (now, 0);
+/// Of which planes taps are: two by two as they come, and how many times in a row, for mostly two are of the same planes as the two before.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PlanePairs {
+    pairs: Vec<([u16; 2], u64)>,
+    /// Of the one that may be left.
+    odd: Option<u16>,
+}
+
+impl PlanePairs {
+    /// Those of these taps.
+    pub(crate) fn count(&mut self, taps: &[Footprint]) {
+        self.pairs.clear();
+        let (pairs, rest) = taps.as_chunks();
+        let (mut last, mut times) = ([0; 2], 0);
+        for [first, second] in pairs {
+            let now = [first.plane, second.plane];
+            if now != last {
+                self.pairs.push((last, times));
+                (last, times) = (now, 0);
+            }
+            times += 1;
         }
-        times += 1;
+        self.pairs.push((last, times));
+        self.odd = rest.first().map(|tap| tap.plane);
     }
-    add(&<[u16; 2]>::from(last), times);
-    rest.iter().for_each(|tap| add(&[tap.plane], 1));
+
+    /// Tells of the planes of two, or one, and how many times.
+    #[inline(always)]
+    pub(crate) fn for_each(&self, mut tell: impl FnMut(&[u16], u64)) {
+        self.pairs.iter().for_each(|(pair, times)| tell(pair, *times));
+        self.odd.iter().for_each(|&odd| tell(&[odd], 1));
+    }
 }
 
 /// Whoever looks at the address stream between the address unit and the datapath.

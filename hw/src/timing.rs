@@ -17,9 +17,9 @@ mod misses;
 mod parameters;
 mod passing;
 mod pipeline;
-mod plain;
 mod queue;
 mod slots;
+mod tag_unit;
 mod tap_reads;
 mod taps;
 
@@ -188,28 +188,28 @@ impl<O: TimingObserver> Timing<O> {
         match pipe {
             Pipe::Any(pipe) => pipe.time(ends, taps, reads, beside),
             Pipe::Ample(pipe) => {
-                pipe.begin(taps, &mut beside).pass(reads.accesses());
+                pipe.begin(taps, taps.planes(), &mut beside).pass(reads.accesses());
                 pipe.end(requests.ending(ends), ends, taps, beside);
             }
         }
     }
 
-    /// Looks up taps run by run, and times them.
-    fn look_up_in_runs_and_time(&mut self, batch: Batch<'_>, taps: &InPlace<'_>) {
+    /// Looks up taps run by run, and times them; whether the words of each are known to be in as many data banks as they are.
+    fn look_up_in_runs_and_time(&mut self, batch: Batch<'_>, all_apart: bool) {
         let clashes = core::mem::take(&mut self.clashes);
-        let requests = batch.requests;
         let (pipe, cache, reads, ends, mut beside) = self.parts();
         match pipe {
             _ if ends.is_empty() => {}
             Pipe::Any(pipe) => {
                 reads.clear(batch.taps.len());
-                cache.take_observed(batch, reads);
-                pipe.time(ends, taps, reads, beside);
+                let runs = cache.take_observed(batch, reads);
+                pipe.time(ends, &InPlace::new(batch, runs, all_apart), reads, beside);
             }
             Pipe::Ample(pipe) => {
                 let runs = cache.take_observed(batch, &mut Slots);
-                pipe.begin(taps, &mut beside).pass_runs(runs, &clashes);
-                pipe.end(requests.ending(ends), ends, taps, beside);
+                let taps = InPlace::new(batch, runs, all_apart);
+                pipe.begin(&taps, runs.planes, &mut beside).pass_runs(runs, &clashes);
+                pipe.end(batch.requests.ending(ends), ends, &taps, beside);
             }
         }
         self.clashes = clashes;
@@ -366,7 +366,6 @@ impl<O: TimingObserver> Sink for Timing<O> {
             return;
         }
         let all_apart = batch.texels_per_tap == 1 || all_apart && rest.is_empty();
-        let taps = InPlace { taps: batch.taps, texels: batch.texels_per_tap, all_apart };
-        self.look_up_in_runs_and_time(batch, &taps);
+        self.look_up_in_runs_and_time(batch, all_apart);
     }
 }

@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use super::{Cache, Engine, Geometry, Outcome, PlaneCounters, Policy};
 use crate::{
     address::{Footprint, is_outside},
-    batch::{Batch, count_planes},
+    batch::{Batch, PlanePairs},
     lanes::{LANES, PLACES, RunLanes, RunShape},
 };
 
@@ -56,6 +56,9 @@ pub(crate) struct Runs<'s> {
     pub(crate) runs: &'s [Run],
     /// How many each tap has, and the bit [`REPEATED`](Self::REPEATED).
     pub(crate) counts: &'s [u8],
+    /// Of which planes the taps are, and more than the number of any plane read so far.
+    pub(crate) pairs: &'s PlanePairs,
+    pub(crate) planes: usize,
 }
 
 impl Runs<'_> {
@@ -218,6 +221,7 @@ pub(super) struct Splitter {
     runs: Vec<Run>,
     /// How many each tap has.
     counts: Vec<u8>,
+    pairs: PlanePairs,
 }
 
 impl Splitter {
@@ -238,11 +242,17 @@ impl Splitter {
             lanes: RunLanes::detect().filter(|_| suits).map(|lanes| (lanes, shape)),
             runs: Vec::new(),
             counts: Vec::new(),
+            pairs: PlanePairs::default(),
         }
     }
 
-    /// The runs of a batch, how many each tap has as [`Runs::counts`] says, and the number of texels read; `planes` counts those of each plane.
-    pub(super) fn split(&mut self, batch: Batch<'_>, planes: &mut [PlaneCounters]) -> (&mut [Run], &[u8], u64) {
+    /// The runs of a batch, how many each tap has as [`Runs::counts`] says, the planes of the taps, and the number of texels read; `planes` counts those of
+    /// each plane.
+    pub(super) fn split(
+        &mut self,
+        batch: Batch<'_>,
+        planes: &mut [PlaneCounters],
+    ) -> (&mut [Run], &[u8], &PlanePairs, u64) {
         // As many as there can be, and what eight taps may write to.
         let most = 4 * batch.taps.len() + PLACES;
         if self.runs.len() < most {
@@ -252,6 +262,10 @@ impl Splitter {
         let (mut runs, mut counts) = (core::mem::take(&mut self.runs), core::mem::take(&mut self.counts));
         let whole = batch.texels_per_tap == 4 && self.told != Told::One;
         let (eights, _) = batch.taps.as_chunks();
+        self.pairs.count(batch.taps);
+        self.pairs.for_each(|of, times| {
+            of.iter().for_each(|&plane| planes[usize::from(plane)].lookups += times * batch.texels_per_tap as u64);
+        });
         let (mut number, mut count, mut outside) = (0, 0, 0);
         while number < batch.taps.len() {
             let mut next = number;
@@ -266,32 +280,27 @@ impl Splitter {
                 );
                 next += found * LANES;
                 count += written;
-                count_planes(&batch.taps[number..next], |of, times| {
-                    of.iter().for_each(|&plane| planes[usize::from(plane)].lookups += 4 * times);
-                });
             }
             // What lanes leave, eight at most.
             number = batch.taps.len().min(next + LANES);
             for (tap, number) in batch.taps[next..number].iter().zip(next..) {
                 let before = count;
-                let read = if let Some((pair, runs_of_tap)) = if whole { self.pair(number, tap) } else { None } {
+                if let Some((pair, runs_of_tap)) = if whole { self.pair(number, tap) } else { None } {
                     runs[count..count + 2].copy_from_slice(&pair);
                     count += runs_of_tap;
-                    4
                 } else {
                     let singles = self.one_by_one(number, &tap.address[..batch.texels_per_tap], &mut runs[count..]);
                     count += singles;
                     outside += batch.texels_per_tap - singles;
-                    singles
-                };
+                    planes[usize::from(tap.plane)].lookups -= (batch.texels_per_tap - singles) as u64;
+                }
                 let repeated = runs[before..count].iter().any(Run::is_repeated);
                 counts[number] = (count - before) as u8 | if repeated { Runs::REPEATED } else { 0 };
-                planes[usize::from(tap.plane)].lookups += read as u64;
             }
         }
         let lookups = batch.taps.len() * batch.texels_per_tap - outside;
         (self.runs, self.counts) = (runs, counts);
-        (&mut self.runs[..count], &self.counts, lookups as u64)
+        (&mut self.runs[..count], &self.counts, &self.pairs, lookups as u64)
     }
 
     /// One or two runs that four texels make, and how many; `None` if they make more, or some are outside.

@@ -223,7 +223,7 @@ impl TexelCache {
             self.planes.resize(planes, PlaneCounters::default());
         }
         let planes = &mut self.planes[..];
-        let (runs, counts, lookups) = self.splitter.split(batch, planes);
+        let (runs, counts, pairs, lookups) = self.splitter.split(batch, planes);
         let taps = batch.taps;
         match &mut self.meter {
             Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None }
@@ -237,7 +237,7 @@ impl TexelCache {
                 self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
         }
-        Runs { runs, counts }
+        Runs { runs, counts, pairs, planes: self.planes.len() }
     }
 }
 

@@ -12,6 +12,7 @@
 //! result, always has a place by the same count.
 
 use alloc::vec::Vec;
+use core::marker::PhantomData;
 
 use super::{
     banks::BankOf,
@@ -19,9 +20,10 @@ use super::{
     data_banks::DataBanks,
     events::{RequestTimes, TapTimes, TimingObserver},
     parameters::{Mode, Parameters},
-    passing::{AtHand, Passing, Rest, TapClocks, Watched},
+    passing::{Passing, TapClocks, Watched},
     pipeline::{Beside, Counts, count_fifos, latencies, planes_among},
     queue::Fifo,
+    tag_unit::{AtHand, TagUnit},
     taps::Taps,
 };
 use crate::batch::Requests;
@@ -127,43 +129,49 @@ impl Ample {
         count_fifos(fifos, &self.request_latency, c);
     }
 
-    /// Sends a batch of taps through the tag and the data unit.
+    /// Sends a batch of taps, of the first so many planes, through the tag and the data unit.
     pub(super) fn begin<'a, T: Taps, O: TimingObserver>(
         &'a mut self,
         taps: &'a T,
+        planes: usize,
         beside: &'a mut Beside<'_, O>,
     ) -> Passing<'a, T, O> {
         let number = taps.number();
-        if beside.planes.len() < taps.planes() {
-            beside.planes.resize(taps.planes(), PlaneTiming::default());
+        if beside.planes.len() < planes {
+            beside.planes.resize(planes, PlaneTiming::default());
         }
         let Clocks { taps: clocks, watched, .. } = &mut self.batch;
         clocks.begin(number, beside.planes.len());
         watched.clear();
         let (places, depth) = self.fragment_fifo.places(number);
+        let TapClocks { tags, ready, data_done, waiting, hits } = clocks;
         Passing {
             taps,
             places,
             depth,
-            clocks,
-            planes: beside.planes,
-            misses: beside.misses,
-            tag_bank: self.tag_bank,
+            tags,
+            ready,
+            data_done,
+            tag_unit: TagUnit {
+                misses: beside.misses,
+                planes: beside.planes,
+                hits,
+                waiting,
+                bank: self.tag_bank,
+                latency: beside.parameters.tag_latency.into(),
+                line_shift: beside.line_shift,
+                counts: &mut self.counts,
+                at_hand: AtHand::default(),
+                spent: 0,
+                watched,
+                observer: PhantomData,
+            },
+            data_banks: &mut self.data_banks,
             all_apart: taps.all_apart(),
-            tag_latency: beside.parameters.tag_latency.into(),
+            line_write: beside.line_write,
             tag_free: self.tag,
             data_free: self.data,
-            spent: 0,
-            at_hand: AtHand::default(),
-            rest: Rest {
-                counts: &mut self.counts,
-                data_banks: &mut self.data_banks,
-                line_write: beside.line_write,
-                line_shift: beside.line_shift,
-                watched,
-                free: [&mut self.tag, &mut self.data],
-                observer: core::marker::PhantomData,
-            },
+            free: [&mut self.tag, &mut self.data],
         }
     }
 

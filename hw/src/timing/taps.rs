@@ -2,7 +2,11 @@
 
 use alloc::vec::Vec;
 
-use crate::{address::Footprint, batch::count_planes};
+use crate::{
+    address::Footprint,
+    batch::{Batch, PlanePairs},
+    cache::Runs,
+};
 
 /// Taps to be timed, by number.
 pub(super) trait Taps {
@@ -16,21 +20,27 @@ pub(super) trait Taps {
     fn addresses(&self, tap: usize) -> &[u64];
     /// How many all taps read.
     fn reads(&self) -> u64;
-    /// Tells of which planes taps are, as [`count_planes`] does or one by one; last, how much each of them reads.
+    /// Tells of which planes taps are, as [`PlanePairs`] does or one by one; last, how much each of them reads.
     fn count_planes(&self, add: impl FnMut(&[u16], u64, u64));
-    /// More than the storage index of any plane.
-    fn planes(&self) -> usize;
     /// Whether the words of each tap are known to be in as many data banks as they are.
     fn all_apart(&self) -> bool;
 }
 
 /// Taps whose addresses are those of their footprints.
 pub(super) struct InPlace<'a> {
-    pub(super) taps: &'a [Footprint],
+    taps: &'a [Footprint],
+    pairs: &'a PlanePairs,
     /// Addresses of one that count.
-    pub(super) texels: usize,
+    texels: usize,
     /// See [`Taps::all_apart`].
-    pub(super) all_apart: bool,
+    all_apart: bool,
+}
+
+impl<'a> InPlace<'a> {
+    /// Those of a batch with these runs.
+    pub(super) const fn new(batch: Batch<'a>, runs: Runs<'a>, all_apart: bool) -> Self {
+        Self { taps: batch.taps, pairs: runs.pairs, texels: batch.texels_per_tap, all_apart }
+    }
 }
 
 impl Taps for InPlace<'_> {
@@ -60,12 +70,7 @@ impl Taps for InPlace<'_> {
 
     #[inline(always)]
     fn count_planes(&self, mut add: impl FnMut(&[u16], u64, u64)) {
-        count_planes(self.taps, |planes, times| add(planes, times, self.texels as u64));
-    }
-
-    /// Not those of a surface: whoever has several textures in one memory numbers their planes one after the other.
-    fn planes(&self) -> usize {
-        usize::from(self.taps.iter().fold(0, |most, tap| most.max(tap.plane))) + 1
+        self.pairs.for_each(|planes, times| add(planes, times, self.texels as u64));
     }
 
     fn all_apart(&self) -> bool {
@@ -94,6 +99,11 @@ impl Gathered {
 
     pub(super) fn read(&mut self, address: u64) {
         self.addresses.push(address);
+    }
+
+    /// More than the storage index of any plane.
+    pub(super) fn planes(&self) -> usize {
+        self.taps.iter().map(|&(plane, _)| usize::from(plane) + 1).max().unwrap_or(0)
     }
 }
 
@@ -124,10 +134,6 @@ impl Taps for Gathered {
         for tap in 0..self.taps.len() {
             add(&[self.plane(tap)], 1, self.addresses(tap).len() as u64);
         }
-    }
-
-    fn planes(&self) -> usize {
-        self.taps.iter().map(|&(plane, _)| usize::from(plane) + 1).max().unwrap_or(0)
     }
 
     fn all_apart(&self) -> bool {
