@@ -133,6 +133,9 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
     /// All taps, their runs, in which slots are noted, and whether two lines of a tap of two are in one bank.
     pub(super) fn pass_runs(mut self, Runs { runs, counts, .. }: Runs<'_>, clashes: &[u8]) {
         let (mut begin, number, mut at, mut conflicts) = (0, self.taps.number(), 0, 0);
+        // Of a tap of one run the next run is looked at too, so that the last run of all is left to taps that are not plain.
+        let seconds = runs.get(1..).unwrap_or_default();
+        let firsts = &runs[..seconds.len()];
         while begin < number {
             let end = number.min(begin + self.depth);
             let (counts, clashes) = (&counts[..end], &clashes[..end]);
@@ -140,8 +143,8 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
             begin = self.pass_block(begin..end, |unit, tap, tag| {
                 let count = counts[tap];
                 let plane = usize::from(plane_of(tap));
-                if at + 1 < runs.len() && matches!(count, 1 | 2) {
-                    let [first, second] = [runs[at].noted(), runs[at + 1].noted()];
+                if at < firsts.len() && matches!(count, 1 | 2) {
+                    let [first, second] = [firsts[at].noted(), seconds[at].noted()];
                     // A tap of one line has no clash.
                     let clash = u64::from(clashes[tap]);
                     if unit.pass_plain([first, second], count, plane, [tag, tag + clash]) {
