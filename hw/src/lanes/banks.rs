@@ -58,6 +58,6 @@ pub(super) fn look(m: Avx2, taps: &[Footprint; LANES], [words, lines]: [Banks; 2
 
 /// A byte for each of eight bits, the lowest first.
 const fn bytes(bits: u32) -> u64 {
-    let each = bits as u64 * (u64::MAX / 255) & 0x8040_2010_0804_0201;
+    let each = (bits as u64 * (u64::MAX / 255)) & 0x8040_2010_0804_0201;
     (each + 0x7F7F_7F7F_7F7F_7F7F) >> 7 & (u64::MAX / 255)
 }
