@@ -9,13 +9,14 @@ use std::{path::Path, process::Command};
 
 use image::{Rgba, RgbaImage};
 use texunit::{
-    experiment::{Bench, Pyramids, Stage},
+    experiment::{self, BATCH, Bench, Pyramids, Stage},
     machine::Machine,
     scene::Scene,
     stream::{NamedTexture, Stream, StreamRequest, StreamRun},
     texture_file::TextureImage,
+    timed_run::time_requests,
 };
-use texunit_hw::{AddressMode, Filter};
+use texunit_hw::{AddressMode, Filter, LodSource, Response};
 
 /// A scene's fragments as a stream of its texture.
 fn stream_of(stage: &Stage) -> Stream {
@@ -54,6 +55,34 @@ fn the_stream_of_a_scene_is_the_scene() {
         assert_eq!((outcome.mismatches, outcome.parts.len()), (0, 1));
         assert_eq!(outcome.parts[0].traffic.misses, outcome.counters.misses);
     }
+}
+
+#[test]
+fn a_frame_answered_batch_by_batch_is_the_frame_answered_at_once() {
+    let machine = Machine::default();
+    let stage = Stage::new(Scene { size: [480, 360], ..Scene::builtin("floor").unwrap() });
+    assert!(stage.coverage.covered > BATCH as u64 + 1000, "more than one batch");
+    let filter = Filter::Trilinear;
+    let pyramids = Pyramids::for_filters(&machine, &stage.texture, &[filter]).unwrap();
+    let (pyramid, memory) = pyramids.of(filter);
+    let bench = Bench::new(&stage, &machine, filter, pyramid, memory);
+    let mut in_batches = Vec::new();
+    let outcome = bench.measure_watched(&machine, |batch| in_batches.extend_from_slice(batch)).unwrap();
+
+    let requests = bench.requests();
+    let mut at_once = vec![Response::default(); requests.len()];
+    let mut cache = experiment::cache(&machine, memory.surface.bytes_per_read()).unwrap();
+    bench.unit().unwrap().run(&requests, &mut at_once, &mut cache);
+    assert_eq!((outcome.pixels, in_batches), (at_once.len() as u64, at_once.clone()));
+    assert_eq!((outcome.counters, outcome.mismatches), (cache.counters(), 0));
+    let sampler = machine.sampler(filter, stage.scene.texture.wrap, LodSource::Gradient);
+    let timed = time_requests(&machine, &sampler, memory, &requests).unwrap();
+    assert_eq!(outcome.timed.counters, timed.counters);
+    let mut picture = stage.empty_picture();
+    for (fragment, response) in stage.scene.fragments().zip(&at_once) {
+        picture.put_pixel(fragment.x.into(), fragment.y.into(), Rgba(response.texel));
+    }
+    assert_eq!(outcome.picture, picture);
 }
 
 #[test]
