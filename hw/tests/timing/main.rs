@@ -12,7 +12,7 @@ use texunit_hw::{
     cache::{Detail, TexelCache},
     decompression::{Decompressed, StoredLines},
     timing::{
-        BankHash, DramParameters, FillTimes, MainMemory, Mapping, MemoryParameters, Mode, Page, Parameters,
+        BankHash, DramParameters, FillTimes, Histograms, MainMemory, Mapping, MemoryParameters, Mode, Page, Parameters,
         RequestTimes, SecondLevelParameters, StoredFetch, TapTimes, Timing, TimingCounters, TimingObserver,
     },
 };
@@ -239,15 +239,16 @@ fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
     assert_eq!(sum(|plane| plane.row_misses), counters.row_misses);
     assert_eq!(sum(|plane| plane.row_conflicts), counters.row_conflicts);
     assert_eq!(sum(|plane| plane.second_level_hits), counters.second_level_hits);
-    assert_eq!(timing.histograms().taps.iter().sum::<u64>(), counters.requests);
+    assert_eq!(*timing.histograms(), histograms(requests));
     conserve(&counters, &untimed, machine);
     drop(timing);
 
     let log = simulate(machine, requests);
-    let mut batched = Recorder::default();
-    in_batches(machine, requests, &counters, &mut batched);
-    in_batches(machine, requests, &counters, ());
-    for recorder in [recorder, batched] {
+    let (mut batched, mut alike) = (Recorder::default(), Recorder::default());
+    in_batches(machine, requests, false, &counters, &mut batched);
+    in_batches(machine, requests, true, &counters, &mut alike);
+    in_batches(machine, requests, true, &counters, ());
+    for recorder in [recorder, batched, alike] {
         assert_eq!(recorder.taps, log.taps, "taps");
         assert_eq!(recorder.misses, log.misses, "misses");
         assert_eq!(recorder.requests, log.requests, "requests");
@@ -261,13 +262,22 @@ fn agree(machine: &Machine, requests: &[Vec<Tap>]) -> TimingCounters {
 }
 
 /// The same requests as a unit hands them over: batches of footprints, the texels that are not read outside the texture.
-fn in_batches<O: TimingObserver>(machine: &Machine, requests: &[Vec<Tap>], expected: &TimingCounters, observer: O) {
+/// Of requests with as many taps each where they are to be alike, else of any.
+fn in_batches<O: TimingObserver>(
+    machine: &Machine,
+    requests: &[Vec<Tap>],
+    alike: bool,
+    expected: &TimingCounters,
+    observer: O,
+) {
     // Of one plane; the streams name three, as those of several textures in one memory do, which are numbered on.
     let surface = Surface::new(PyramidKind::Mipmap, Layout::RowMajor, Format::Rgba8, 1, 1).unwrap();
     let cache = cache(machine).with_planes(3);
     let mut timing = Timing::new(&machine.pipeline, &machine.memory, cache, READS, observer).unwrap();
     // Eight taps at a time are looked at together, and what is left of a batch one by one.
-    for requests in requests.chunks(if machine.sets > 3 { 7 } else { 24 }) {
+    let most = if machine.sets > 3 { 7 } else { 24 };
+    let together = |a: &Vec<Tap>, b: &Vec<Tap>| !alike || a.len() == b.len();
+    for requests in requests.chunk_by(together).flat_map(|requests| requests.chunks(most)) {
         let mut ends = Vec::new();
         let mut taps = Vec::new();
         for request in requests {
@@ -278,9 +288,24 @@ fn in_batches<O: TimingObserver>(machine: &Machine, requests: &[Vec<Tap>], expec
             }));
             ends.push(taps.len() as u32);
         }
-        timing.take(Batch { taps: &taps, requests: Requests::Ends(&ends), texels_per_tap: 4, surface: &surface });
+        let each = requests[0].len();
+        let requests = if alike && each > 0 { Requests::Each(each) } else { Requests::Ends(&ends) };
+        timing.take(Batch { taps: &taps, requests, texels_per_tap: 4, surface: &surface });
     }
     assert_eq!(timing.counters(), *expected, "batches");
+    assert_eq!(*timing.histograms(), histograms(requests), "batches");
+}
+
+/// Requests with taps, by taps, by different planes, and by taps a plane.
+fn histograms(requests: &[Vec<Tap>]) -> Histograms {
+    let mut histograms = Histograms::default();
+    for request in requests.iter().filter(|request| !request.is_empty()) {
+        let planes = request.iter().map(|tap| tap.plane).collect::<std::collections::BTreeSet<_>>().len();
+        histograms.taps[request.len()] += 1;
+        histograms.planes[planes] += 1;
+        histograms.anisotropy[request.len() / planes] += 1;
+    }
+    histograms
 }
 
 /// What must add up, whatever the machine.
