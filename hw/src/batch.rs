@@ -29,9 +29,9 @@ pub enum Requests<'b> {
     Ends(&'b [u32]),
 }
 
-impl<'b> Requests<'b> {
+impl Requests<'_> {
     /// The same where each has as many taps, else those that end there.
-    pub(crate) const fn ending<'e>(self, ends: &'e [u32]) -> Requests<'e> {
+    pub(crate) const fn ending(self, ends: &[u32]) -> Requests<'_> {
         match self {
             Self::Each(taps) => Requests::Each(taps),
             Self::Ends(_) => Requests::Ends(ends),

@@ -5,6 +5,7 @@
 //! simulator that ticks, and with which this must agree on every clock, is in the tests.
 
 mod ample;
+mod bank_lookout;
 mod banks;
 mod counters;
 mod data_banks;
@@ -23,8 +24,8 @@ mod tag_unit;
 mod tap_reads;
 mod taps;
 
+use bank_lookout::{Seen, any_outside};
 pub use banks::BankHash;
-use banks::BankOf;
 pub use counters::{HISTOGRAM_MAX, Histograms, PlaneTiming, TimingCounters};
 pub use dram::{DramParameters, Mapping, Page, Row};
 pub use events::{FillTimes, RequestTimes, StoredFetch, TapTimes, TimingObserver};
@@ -34,10 +35,8 @@ pub use parameters::{MainMemory, MemoryParameters, Mode, Parameters, SecondLevel
 use alloc::vec::Vec;
 
 use crate::{
-    address::{Footprint, is_outside},
     batch::{Batch, Requests, Sink},
     cache::TexelCache,
-    lanes::BankLanes,
 };
 use ample::Ample;
 use misses::Misses;
@@ -98,10 +97,6 @@ pub struct Timing<O = ()> {
     reads: TapReads,
     /// Their addresses, where they are not those of footprints.
     gathered: Gathered,
-    bank_lanes: Option<BankLanes>,
-    tag_bank: BankOf,
-    /// Of each tap at hand, 1 if its first and its last texel are in two lines of one bank.
-    clashes: Vec<u8>,
     /// Where the requests of the batch at hand end.
     ends: Vec<u32>,
 }
@@ -137,20 +132,17 @@ impl<O: TimingObserver> Timing<O> {
                 0 => 0,
                 bytes => geometry.line.div_ceil(bytes).into(),
             },
-            pipe: if Ample::fits(&p) { Pipe::Ample(Ample::new(&p)) } else { Pipe::Any(Pipeline::new(&p)) },
+            pipe: if Ample::fits(&p) {
+                Pipe::Ample(Ample::new(&p, geometry.line))
+            } else {
+                Pipe::Any(Pipeline::new(&p))
+            },
             misses: Misses::new(&p, memory, &cache)?,
             observer,
             planes: Vec::new(),
             histograms: Histograms::default(),
             reads: TapReads::default(),
             gathered: Gathered::default(),
-            bank_lanes: BankLanes::new(
-                [p.data_bank_bytes.trailing_zeros(), p.data_banks],
-                [geometry.line.trailing_zeros(), p.tag_banks],
-            )
-            .filter(|_| [p.data_hash, p.tag_hash] == [BankHash::Low; 2] && Ample::fits(&p)),
-            tag_bank: BankOf::new(p.tag_banks, p.tag_hash),
-            clashes: Vec::new(),
             ends: Vec::new(),
             cache,
         })
@@ -196,7 +188,6 @@ impl<O: TimingObserver> Timing<O> {
 
     /// Looks up taps run by run, and times them; whether the words of each are known to be in as many data banks as they are.
     fn look_up_in_runs_and_time(&mut self, batch: Batch<'_>, all_apart: bool) {
-        let clashes = core::mem::take(&mut self.clashes);
         let (pipe, cache, reads, ends, mut beside) = self.parts();
         match pipe {
             _ if ends.is_empty() => {}
@@ -208,11 +199,10 @@ impl<O: TimingObserver> Timing<O> {
             Pipe::Ample(pipe) => {
                 let runs = cache.take_observed(batch, &mut Slots);
                 let taps = InPlace::new(batch, runs, all_apart);
-                pipe.begin(&taps, runs.planes, &mut beside).pass_runs(runs, &clashes);
+                pipe.begin(&taps, runs.planes, &mut beside).pass_runs(runs);
                 pipe.end(batch.requests.ending(ends), ends, &taps, beside);
             }
         }
-        self.clashes = clashes;
     }
 
     /// What taps pass, the cache, what is known of their reads, where their requests end, and all beside.
@@ -322,38 +312,10 @@ impl<O: TimingObserver> Sink for Timing<O> {
     fn take(&mut self, batch: Batch<'_>) {
         self.ends.clear();
         batch.ends_into(&mut self.ends);
-        let any_outside = |taps: &[Footprint]| {
-            let addresses = taps.iter().flat_map(|tap| &tap.address[..batch.texels_per_tap]);
-            is_outside(addresses.fold(0, |all, address| all | address))
+        let Seen { outside, all_apart } = match &mut self.pipe {
+            Pipe::Any(_) => Seen { outside: any_outside(batch.taps, batch.texels_per_tap), all_apart: false },
+            Pipe::Ample(pipe) => pipe.look(batch),
         };
-        let mut clashes = core::mem::take(&mut self.clashes);
-        clashes.clear();
-        clashes.reserve(batch.taps.len());
-        let (tag_bank, line_shift) = (self.tag_bank, self.line_shift);
-        let clash = |tap: &Footprint| {
-            let [first, last] = [0, batch.texels_per_tap - 1].map(|texel| tap.address[texel] >> line_shift);
-            u8::from(first != last && tag_bank.bank(first) == tag_bank.bank(last))
-        };
-        let mut rest = batch.taps;
-        let (mut outside, mut all_apart) = (false, true);
-        if let Some(lanes) = self.bank_lanes.filter(|_| batch.texels_per_tap == 4) {
-            let eights;
-            (eights, rest) = batch.taps.as_chunks();
-            for eight in eights {
-                if let Some((apart, of_eight)) = lanes.look(eight) {
-                    // Addresses of 32 bits are inside.
-                    all_apart &= apart;
-                    clashes.extend_from_slice(&of_eight);
-                } else {
-                    all_apart = false;
-                    outside |= any_outside(eight);
-                    clashes.extend(eight.iter().map(clash));
-                }
-            }
-        }
-        clashes.extend(rest.iter().map(clash));
-        self.clashes = clashes;
-        outside |= any_outside(rest);
         if outside || batch.surface.reads_per_texel() > 1 {
             let mut gathered = core::mem::take(&mut self.gathered);
             gathered.clear();
@@ -365,7 +327,6 @@ impl<O: TimingObserver> Sink for Timing<O> {
             self.gathered = gathered;
             return;
         }
-        let all_apart = batch.texels_per_tap == 1 || all_apart && rest.is_empty();
         self.look_up_in_runs_and_time(batch, all_apart);
     }
 }

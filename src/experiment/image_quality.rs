@@ -30,10 +30,11 @@ impl ImageQuality {
         let [width, height] = stage.scene.size.map(|side| side as usize);
         let (answers, _) = picture.as_raw().as_chunks();
         // Answer and truth of every pixel; not a number where there is none, and so is every sum over it.
-        let luma = |at: usize| match stage.covered[at] {
-            true => [answers[at].map(f64::from), stage.truth.texels[at].map(f64::from)]
-                .map(|texel: [f64; 4]| brightness(texel)),
-            false => [f64::NAN; 2],
+        let luma = |at: usize| {
+            if !stage.covered[at] {
+                return [f64::NAN; 2];
+            }
+            [answers[at].map(f64::from), stage.truth.texels[at].map(f64::from)].map(|texel: [f64; 4]| brightness(texel))
         };
         let mut rows: VecDeque<Vec<[f64; 2]>> = VecDeque::with_capacity(WINDOW);
         let (mut windows, mut ssim, mut alias, mut blur) = (0.0, 0.0, 0.0, 0.0);

@@ -56,8 +56,9 @@ pub(crate) struct Runs<'s> {
     pub(crate) runs: &'s [Run],
     /// How many each tap has, and the bit [`REPEATED`](Self::REPEATED).
     pub(crate) counts: &'s [u8],
-    /// Of which planes the taps are, and more than the number of any plane read so far.
+    /// Of which planes the taps are.
     pub(crate) pairs: &'s PlanePairs,
+    /// More than the number of any plane read so far.
     pub(crate) planes: usize,
 }
 

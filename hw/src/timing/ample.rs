@@ -15,6 +15,7 @@ use alloc::vec::Vec;
 use core::marker::PhantomData;
 
 use super::{
+    bank_lookout::{BankLookout, Seen},
     banks::BankOf,
     counters::{Histograms, PlaneTiming, Spread, TimingCounters},
     data_banks::DataBanks,
@@ -26,7 +27,7 @@ use super::{
     tag_unit::{AtHand, TagUnit},
     taps::Taps,
 };
-use crate::batch::Requests;
+use crate::batch::{Batch, Requests};
 
 /// A machine of this kind.
 #[derive(Clone, Debug, Default)]
@@ -46,6 +47,7 @@ pub(super) struct Ample {
     fragment_fifo: Fifo,
     result_fifo: Fifo,
     tag_bank: BankOf,
+    lookout: BankLookout,
     data_banks: DataBanks,
     counts: Counts,
     request_latency: Spread,
@@ -79,7 +81,8 @@ impl Ample {
             && p.result_fifo > p.data_latency + p.filter_latency
     }
 
-    pub(super) fn new(p: &Parameters) -> Self {
+    /// With lines of `line` bytes.
+    pub(super) fn new(p: &Parameters, line: u32) -> Self {
         let [lod_latency, address_latency, ..] = latencies(p);
         let first_issue = 1 + lod_latency;
         let first_tag = first_issue + address_latency;
@@ -95,6 +98,7 @@ impl Ample {
             fragment_fifo: Fifo::new(p.fragment_fifo),
             result_fifo: Fifo::new(p.result_fifo),
             tag_bank: BankOf::new(p.tag_banks, p.tag_hash),
+            lookout: BankLookout::new(p, line),
             data_banks: DataBanks::new(p),
             ..Self::default()
         }
@@ -129,6 +133,11 @@ impl Ample {
         count_fifos(fifos, &self.request_latency, c);
     }
 
+    /// Looks at the taps of a batch before they are looked up; if they are passed in runs, which none outside is, they are those next.
+    pub(super) fn look(&mut self, batch: Batch<'_>) -> Seen {
+        self.lookout.look(batch)
+    }
+
     /// Sends a batch of taps, of the first so many planes, through the tag and the data unit.
     pub(super) fn begin<'a, T: Taps, O: TimingObserver>(
         &'a mut self,
@@ -152,6 +161,7 @@ impl Ample {
             tags,
             ready,
             data_done,
+            clashes: self.lookout.clashes(),
             tag_unit: TagUnit {
                 misses: beside.misses,
                 planes: beside.planes,

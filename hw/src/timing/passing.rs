@@ -25,6 +25,8 @@ pub(super) struct Passing<'a, T, O> {
     pub(super) tags: &'a mut [u64],
     pub(super) ready: &'a mut [u64],
     pub(super) data_done: &'a mut [u64],
+    /// By tap, where taps are passed in runs: 1 if two lines of a tap of two are in one bank.
+    pub(super) clashes: &'a [u8],
     pub(super) tag_unit: TagUnit<'a, O>,
     pub(super) data_banks: &'a mut DataBanks,
     pub(super) all_apart: bool,
@@ -130,15 +132,15 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
         self.data_free = free;
     }
 
-    /// All taps, their runs, in which slots are noted, and whether two lines of a tap of two are in one bank.
-    pub(super) fn pass_runs(mut self, Runs { runs, counts, .. }: Runs<'_>, clashes: &[u8]) {
+    /// All taps, and their runs, in which slots are noted.
+    pub(super) fn pass_runs(mut self, Runs { runs, counts, .. }: Runs<'_>) {
         let (mut begin, number, mut at, mut conflicts) = (0, self.taps.number(), 0, 0);
         // Of a tap of one run the next run is looked at too, so that the last run of all is left to taps that are not plain.
         let seconds = runs.get(1..).unwrap_or_default();
         let firsts = &runs[..seconds.len()];
         while begin < number {
             let end = number.min(begin + self.depth);
-            let (counts, clashes) = (&counts[..end], &clashes[..end]);
+            let (counts, clashes) = (&counts[..end], &self.clashes[..end]);
             let plane_of = self.taps.planes_before(end);
             begin = self.pass_block(begin..end, |unit, tap, tag| {
                 let count = counts[tap];
