@@ -6,7 +6,10 @@ use image::RgbaImage;
 use rayon::prelude::*;
 use texunit_hw::{Filter, LodSource};
 
-use super::{Deviation, SLICE, Stage, paint};
+use super::{
+    Deviation, Stage,
+    stage::{SLICE, paint},
+};
 use crate::{
     error::Result,
     machine::Machine,
