@@ -6,7 +6,7 @@ use texunit_hw::{Filter, PyramidKind};
 use crate::{
     area,
     error::Result,
-    experiment::{Bench, ImageQuality, Pyramids, Stage, cache, report, report::Metric},
+    experiment::{Bench, Deviation, ImageQuality, Pyramids, Stage, cache, paint, report, report::Metric},
     machine::{Machine, Texture},
     names::Named,
     report::plot::{Axis, Plot, Series, Style},
@@ -128,11 +128,16 @@ impl<'s> Study<'s> {
         let bench = Bench::new(self.stage, &machine, filter, pyramid, memory);
         let mut cache = memory.behind(cache(&machine, memory.surface.bytes_per_read())?);
         let mut timer = bench.timer(&machine)?;
-        let answers = bench.answer(&mut cache, |_, requests, _| timer.time(requests))?;
+        let (mut picture, mut against_truth) = (self.stage.empty_picture(), Deviation::default());
+        let answers = bench.answer(&mut cache, |fragments, requests, responses| {
+            paint(&mut picture, fragments, responses.iter().map(|response| response.texel));
+            against_truth = bench.against_truth(against_truth, fragments, responses);
+            timer.time(requests);
+        })?;
         let mut metrics = report::traffic_metrics(&cache.counters(), answers.pixels);
         metrics.push(report::host_metric(answers.host_seconds, answers.pixels));
-        metrics.extend(report::deviation_metrics(report::AGAINST_TRUTH, &answers.against_truth));
-        metrics.extend(ImageQuality::of(self.stage, &answers.picture).metrics());
+        metrics.extend(report::deviation_metrics(report::AGAINST_TRUTH, &against_truth));
+        metrics.extend(ImageQuality::of(self.stage, &picture).metrics());
         metrics.extend(timer.finish().0.metrics());
         metrics.extend(area::metrics(&machine, filter));
         Ok(Candidate { variant: variant.clone(), metrics, front: false })

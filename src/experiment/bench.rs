@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use image::RgbaImage;
 use rayon::prelude::*;
 use texunit_hw::{Filter, LodSource, PyramidKind, Request, Response, Sampler, Sink, Unit, cache::PlaneCounters};
 
@@ -25,17 +24,13 @@ use crate::{
     timed_run::Timer,
 };
 
-/// What the chip answers, and how far from the ground truth that is.
-#[derive(Clone, Debug)]
+/// How many answers the chip gave, and in how long.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Answers {
     /// How many.
     pub pixels: u64,
     /// Coordinates that had no defined place.
     pub undefined: u64,
-    /// All of them.
-    pub picture: RgbaImage,
-    /// Deviation from the ground truth, in the eight bits of a channel.
-    pub against_truth: Deviation,
     /// Wall time of this machine for the whole scene, one thread.
     pub host_seconds: f64,
 }
@@ -85,7 +80,7 @@ impl<'s> Bench<'s> {
         requests
     }
 
-    /// Lets the chip answer, batch by batch, while `sink` looks at its addresses; `visit` is shown every batch.
+    /// Lets the chip answer, batch by batch in pixel order, while `sink` looks at its addresses; `visit` is shown every batch.
     ///
     /// # Errors
     /// A machine that cannot be built.
@@ -96,8 +91,7 @@ impl<'s> Bench<'s> {
     ) -> Result<Answers> {
         let mut unit = self.unit()?;
         let mut responses = Vec::new();
-        let (picture, against_truth) = (self.stage.empty_picture(), Deviation::default());
-        let mut answers = Answers { pixels: 0, undefined: 0, picture, against_truth, host_seconds: 0.0 };
+        let mut answers = Answers::default();
         self.stage.for_each_batch(|fragments| {
             let (requests, undefined) = self.front_end.requests(fragments);
             responses.resize(requests.len(), Response::default());
@@ -106,8 +100,6 @@ impl<'s> Bench<'s> {
             answers.host_seconds += begin.elapsed().as_secs_f64();
             answers.pixels += responses.len() as u64;
             answers.undefined += undefined;
-            paint(&mut answers.picture, fragments, responses.iter().map(|response| response.texel));
-            answers.against_truth = self.against_truth(answers.against_truth, fragments, &responses);
             visit(fragments, &requests, &responses);
         });
         Ok(answers)
@@ -131,11 +123,15 @@ impl<'s> Bench<'s> {
         let mut timer = self.timer(machine)?;
         let reference = Reference::new(self.pyramid, &self.sampler)?;
         let ideal = Ideal::new(self.pyramid, IdealSampler::from(&self.sampler))?;
-        let (mut mismatches, mut first_mismatch, mut against_ideal) = (0, None, Deviation::default());
+        let (mut mismatches, mut first_mismatch) = (0, None);
+        let (mut picture, mut against_truth, mut against_ideal) =
+            (self.stage.empty_picture(), Deviation::default(), Deviation::default());
         let answers = self.answer(&mut cache, |fragments, requests, responses| {
             let (count, first) = against_reference(&reference, requests, responses);
             mismatches += count;
             first_mismatch = first_mismatch.or(first);
+            paint(&mut picture, fragments, responses.iter().map(|response| response.texel));
+            against_truth = self.against_truth(against_truth, fragments, responses);
             against_ideal = self.against_ideal(against_ideal, &ideal, fragments, responses);
             timer.time(requests);
             watch(responses);
@@ -160,13 +156,13 @@ impl<'s> Bench<'s> {
             undefined: answers.undefined,
             mismatches,
             first_mismatch,
-            against_truth: answers.against_truth,
+            against_truth,
             against_ideal,
             timed: timer.finish().0,
             left_out: None,
-            quality: ImageQuality::of(self.stage, &answers.picture),
+            quality: ImageQuality::of(self.stage, &picture),
             host_seconds: answers.host_seconds,
-            picture: answers.picture,
+            picture,
         })
     }
 
@@ -206,8 +202,9 @@ impl<'s> Bench<'s> {
         Ok(best)
     }
 
-    /// How far answers are from the ground truth, added to what others are.
-    fn against_truth(&self, so_far: Deviation, fragments: &[Fragment], responses: &[Response]) -> Deviation {
+    /// How far answers are from the ground truth, in the eight bits of a channel, added to what others are.
+    #[must_use]
+    pub fn against_truth(&self, so_far: Deviation, fragments: &[Fragment], responses: &[Response]) -> Deviation {
         deviation(so_far, fragments, responses, |fragment| self.stage.truth.at(fragment.x, fragment.y).map(f64::from))
     }
 

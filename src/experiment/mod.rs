@@ -23,7 +23,7 @@ pub use deviation::Deviation;
 pub use float_only::{FloatOutcome, ewa};
 pub use image_quality::ImageQuality;
 pub use pyramids::Pyramids;
-pub use stage::{BATCH, Stage};
+pub use stage::{BATCH, Stage, paint};
 
 use crate::{
     error::{Error, Result},

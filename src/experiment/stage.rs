@@ -84,8 +84,8 @@ impl Stage {
     }
 }
 
-/// Puts the answers of fragments where they belong.
-pub(super) fn paint(picture: &mut RgbaImage, fragments: &[Fragment], texels: impl Iterator<Item = [u8; 4]>) {
+/// Puts the answers of fragments where they belong in a picture.
+pub fn paint(picture: &mut RgbaImage, fragments: &[Fragment], texels: impl Iterator<Item = [u8; 4]>) {
     for (fragment, texel) in fragments.iter().zip(texels) {
         picture.put_pixel(fragment.x.into(), fragment.y.into(), image::Rgba(texel));
     }

@@ -6,7 +6,7 @@ use texunit_hw::{Filter, Geometry};
 use super::Caches;
 use crate::{
     error::{Error, Result},
-    experiment::{AddressBench, Bench, Pyramids, Stage, report, report::Metric},
+    experiment::{AddressBench, Bench, Deviation, Pyramids, Stage, report, report::Metric},
     machine::Machine,
     scene::Scene,
 };
@@ -78,8 +78,11 @@ pub fn on_stage(
         return Ok(Measured { metrics: vec![], cells: cells.collect::<Result<_>>()? });
     }
     let mut caches = caches(machine, geometries)?;
-    let answers = bench.answer(&mut caches, |_, _, _| ())?;
-    let metrics = report::deviation_metrics(report::AGAINST_TRUTH, &answers.against_truth);
+    let mut against_truth = Deviation::default();
+    let answers = bench.answer(&mut caches, |fragments, _, responses| {
+        against_truth = bench.against_truth(against_truth, fragments, responses);
+    })?;
+    let metrics = report::deviation_metrics(report::AGAINST_TRUTH, &against_truth);
     Ok(Measured { metrics: metrics.into(), cells: cells(caches, answers.pixels, memory.surface.bytes_per_read()) })
 }
 
