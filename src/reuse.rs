@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use serde_json::{Value, json};
 use texunit_hw::{
     Filter,
-    batch::{Batch, Sink},
+    address_stream::{AddressBatch, Sink},
     sweep::{Distances, LineTable, ReuseDistances},
 };
 
@@ -190,17 +190,19 @@ impl Watch {
 }
 
 impl Sink for Watch {
-    fn take(&mut self, batch: Batch<'_>) {
-        for taps in batch.per_request() {
-            let pixel = self.pixels[self.next];
-            self.next += 1;
-            let Some(first) = taps.first() else { continue };
-            for tap in taps {
-                let finer = tap.plane == first.plane;
-                Batch { taps: std::slice::from_ref(tap), ..batch }
-                    .for_each_read(|plane, address| self.lookup(plane, finer, pixel, address));
-            }
-        }
+    fn take(&mut self, batch: AddressBatch<'_>) {
+        // The first tap of a request is of the finer plane.
+        let mut first = None;
+        batch.for_each_tap(|request, plane, addresses| {
+            let finer_plane = match first {
+                Some((of, first_plane)) if of == request => first_plane,
+                _ => plane,
+            };
+            first = Some((request, finer_plane));
+            let pixel = self.pixels[self.next + request];
+            addresses.iter().for_each(|&address| self.lookup(plane, plane == finer_plane, pixel, address));
+        });
+        self.next += batch.len();
     }
 }
 

@@ -8,7 +8,7 @@ use texunit::{
     texture_memory::TextureMemory,
 };
 use texunit_hw::{
-    AddressMode, Batch, Filter, Format, I12F20, Layout, PyramidKind, Request, Response, Sampler, Sink, Unit,
+    AddressBatch, AddressMode, Filter, Format, I12F20, Layout, PyramidKind, Request, Response, Sampler, Sink, Unit,
 };
 
 const MODES: [AddressMode; 4] = [AddressMode::Wrap, AddressMode::Clamp, AddressMode::Clip, AddressMode::Mirror];
@@ -42,8 +42,10 @@ fn request(at: [f64; 2], size: [f64; 2], of: [f64; 2]) -> Request {
 struct Reads(Vec<Vec<u64>>);
 
 impl Sink for Reads {
-    fn take(&mut self, batch: Batch<'_>) {
-        self.0.extend(batch.per_request().map(|taps| taps.iter().map(|tap| tap.address[0]).collect()));
+    fn take(&mut self, batch: AddressBatch<'_>) {
+        let before = self.0.len();
+        self.0.resize(before + batch.len(), Vec::new());
+        batch.for_each_tap(|request, _, addresses| self.0[before + request].extend(addresses));
     }
 }
 

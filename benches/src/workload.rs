@@ -8,7 +8,7 @@ use texunit::{
     scene::{Fragment, Gradient},
     texture_memory::{Held, TextureMemory},
 };
-use texunit_hw::{AddressMode, Batch, Filter, Request, Sink};
+use texunit_hw::{AddressBatch, AddressMode, Filter, Request, Sink};
 
 /// Columns.
 pub const WIDTH: usize = 1920;
@@ -96,7 +96,7 @@ impl Case {
 pub struct Addresses(pub Vec<u64>);
 
 impl Sink for Addresses {
-    fn take(&mut self, batch: Batch<'_>) {
+    fn take(&mut self, batch: AddressBatch<'_>) {
         batch.for_each_read(|_, address| self.0.push(address));
     }
 }

@@ -278,7 +278,7 @@ macro_rules! with_engine {
 }
 
 mod runs;
-pub(crate) use runs::{Run, RunHits, RunObserver, Runs};
+pub(crate) use runs::{Run, RunHits, RunObserver, Runs, TapsOfRuns};
 use runs::{SetOf, Splitter, Told};
 
 impl Cache {

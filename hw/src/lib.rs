@@ -25,6 +25,7 @@ pub mod sat;
 pub mod taps;
 
 pub mod address;
+pub mod address_stream;
 mod bc7;
 mod block_compression;
 pub mod format;
@@ -51,7 +52,8 @@ pub mod batch;
 pub mod unit;
 
 pub use address::Footprint;
-pub use batch::{Batch, Requests, Sink};
+pub use address_stream::{AddressBatch, Sink};
+pub use batch::{Batch, Requests};
 pub use cache::{Geometry, Policy};
 pub use coordinate::AddressMode;
 pub use datapath::Texel;

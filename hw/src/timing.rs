@@ -24,7 +24,7 @@ mod tag_unit;
 mod tap_reads;
 mod taps;
 
-use bank_lookout::{Seen, any_outside};
+use bank_lookout::Seen;
 pub use banks::BankHash;
 pub use counters::{HISTOGRAM_MAX, Histograms, PlaneTiming, TimingCounters};
 pub use dram::{DramParameters, Mapping, Page, Row};
@@ -35,7 +35,8 @@ pub use parameters::{MainMemory, MemoryParameters, Mode, Parameters, SecondLevel
 use alloc::vec::Vec;
 
 use crate::{
-    batch::{Batch, Requests, Sink},
+    address_stream::{AddressBatch, Sink},
+    batch::Requests,
     cache::TexelCache,
 };
 use ample::Ample;
@@ -157,8 +158,7 @@ impl<O: TimingObserver> Timing<O> {
         let mut gathered = core::mem::take(&mut self.gathered);
         gathered.clear();
         for (plane, addresses) in taps {
-            gathered.tap(plane as u16);
-            addresses.iter().for_each(|&address| gathered.read(address));
+            gathered.tap(plane, addresses);
         }
         self.ends.clear();
         self.ends.push(gathered.number() as u32);
@@ -171,7 +171,7 @@ impl<O: TimingObserver> Timing<O> {
         self.reads.clear(taps.number());
         for tap in 0..taps.number() {
             self.reads.tap();
-            self.cache.read_observed(taps.plane(tap).into(), taps.addresses(tap), &mut self.reads);
+            self.cache.read_observed(taps.plane(tap), taps.addresses(tap), &mut self.reads);
         }
         let (pipe, _, reads, ends, mut beside) = self.parts();
         if ends.is_empty() {
@@ -187,12 +187,12 @@ impl<O: TimingObserver> Timing<O> {
     }
 
     /// Looks up taps run by run, and times them; whether the words of each are known to be in as many data banks as they are.
-    fn look_up_in_runs_and_time(&mut self, batch: Batch<'_>, all_apart: bool) {
+    fn look_up_in_runs_and_time(&mut self, batch: AddressBatch<'_>, all_apart: bool) {
         let (pipe, cache, reads, ends, mut beside) = self.parts();
         match pipe {
             _ if ends.is_empty() => {}
             Pipe::Any(pipe) => {
-                reads.clear(batch.taps.len());
+                reads.clear(batch.taps());
                 let runs = cache.take_observed(batch, reads);
                 pipe.time(ends, &InPlace::new(batch, runs, all_apart), reads, beside);
             }
@@ -309,20 +309,17 @@ impl<O: TimingObserver> Timing<O> {
 
 impl<O: TimingObserver> Sink for Timing<O> {
     /// Times the requests of a batch.
-    fn take(&mut self, batch: Batch<'_>) {
+    fn take(&mut self, batch: AddressBatch<'_>) {
         self.ends.clear();
-        batch.ends_into(&mut self.ends);
+        batch.requests.ends_into(batch.taps(), &mut self.ends);
         let Seen { outside, all_apart } = match &mut self.pipe {
-            Pipe::Any(_) => Seen { outside: any_outside(batch.taps, batch.texels_per_tap), all_apart: false },
+            Pipe::Any(_) => Seen { outside: batch.any_outside(0..batch.taps()), all_apart: false },
             Pipe::Ample(pipe) => pipe.look(batch),
         };
         if outside || batch.surface.reads_per_texel() > 1 {
             let mut gathered = core::mem::take(&mut self.gathered);
             gathered.clear();
-            for tap in batch.taps {
-                gathered.tap(tap.plane);
-                Batch { taps: core::slice::from_ref(tap), ..batch }.for_each_read(|_, address| gathered.read(address));
-            }
+            batch.for_each_tap(|_, plane, reads| gathered.tap(plane, reads));
             self.look_up_and_time(&gathered, batch.requests);
             self.gathered = gathered;
             return;

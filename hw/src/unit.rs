@@ -3,12 +3,13 @@
 //! Addresses are made first, then seen by whoever counts (a cache, a trace, nobody), then filtered: each stage is a loop of its
 //! own over the batch, so a run pays only for the stages it asks for.
 
-use alloc::{vec, vec::Vec};
+use alloc::{boxed::Box, vec, vec::Vec};
 use core::mem::take;
 
 use crate::{
     address::Footprint,
-    batch::{Batch, Requests, Sink},
+    address_stream::{AddressBatch, BATCH_TAPS, Places, Sink, TapRows},
+    batch::{Batch, Requests},
     datapath::{TexelSource, filter, filter_packed},
     empty_taps,
     lanes::Lanes,
@@ -20,9 +21,6 @@ use crate::{
     surface::Surface,
     taps::{Program, TapUnit, most_taps, weight_bits, with_program},
 };
-
-/// Taps whose footprints are kept at a time: few enough to stay in the first-level caches of the host.
-const BATCH_TAPS: usize = 256;
 
 /// Why a unit cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +56,8 @@ pub struct Unit<'m> {
     /// Requests of a batch.
     batch: usize,
     footprints: Vec<Footprint>,
+    /// The taps that lanes write.
+    rows: Option<Box<TapRows>>,
     ends: Vec<u32>,
     lods: Vec<[u16; 2]>,
 }
@@ -73,7 +73,8 @@ impl<'m> Unit<'m> {
         }
         let unit = Self::without_memory(sampler, surface)?;
         let lanes = Lanes::new(sampler, &unit.taps, surface, bytes);
-        Ok(Self { bytes, lanes, ..unit })
+        let rows = lanes.as_ref().filter(|lanes| lanes.writes()).map(|_| Box::new(TapRows::new()));
+        Ok(Self { bytes, lanes, rows, ..unit })
     }
 
     /// Binds a sampler and the places of a texture that is not there: for [`Unit::addresses`], [`Unit::inspect`] and
@@ -97,6 +98,7 @@ impl<'m> Unit<'m> {
             taps,
             batch,
             footprints: vec![Footprint::default(); batch * most_taps],
+            rows: None,
             ends: vec![0; if always && !sampler.skip_empty_taps { 0 } else { batch }],
             lods: vec![[0; 2]; batch],
         })
@@ -105,7 +107,7 @@ impl<'m> Unit<'m> {
     /// The same unit without the lanes of the machine it runs on: what they are compared with.
     #[must_use]
     pub fn scalar(self) -> Self {
-        Self { lanes: None, ..self }
+        Self { lanes: None, rows: None, ..self }
     }
 
     /// The same unit in eight lanes at most: what machines without AVX-512 have.
@@ -137,7 +139,7 @@ impl<'m> Unit<'m> {
         requests: &[Request],
         responses: &mut [Response],
         looks: bool,
-        take: &mut dyn FnMut(Batch<'_>),
+        take: &mut dyn FnMut(AddressBatch<'_>),
     ) {
         assert_eq!(requests.len(), responses.len(), "one response a request");
         let size = self.batch;
@@ -157,28 +159,29 @@ impl<'m> Unit<'m> {
             });
         }
         let done = match &self.lanes {
-            Some(lanes) if !looks => lanes.answer(requests, responses),
+            Some(lanes) if !looks => lanes.run(requests, Some(&mut *responses), None),
             _ => 0,
         };
         let (requests, responses) = (&requests[done..], &mut responses[done..]);
         // Taken out for as long as the rest of the unit is borrowed to make taps.
-        let lanes = self.lanes.take();
+        let (lanes, mut rows) = (self.lanes.take(), self.rows.take());
         let sampler = self.sampler;
         with_program!(self.sampler.filter, P => with_source!(self.surface, self.bytes, source => {
             for (requests, responses) in requests.chunks(size).zip(responses.chunks_mut(size)) {
-                let done = match &lanes {
-                    Some(lanes) => lanes.answer_and_write(requests, responses, &mut self.footprints),
+                let answered = match &lanes {
+                    Some(lanes) => lanes.run(requests, Some(&mut *responses), rows.as_deref_mut()),
                     None => 0,
                 };
-                let (batch, lods) = self.expand::<P>(requests, done);
-                for (response, lod) in responses.iter_mut().zip(lods).skip(done) {
+                let written = if rows.is_some() { answered } else { 0 };
+                let (batch, lods) = self.expand::<P>(&requests[written..]);
+                for (response, lod) in responses[written..].iter_mut().zip(lods).skip(answered - written) {
                     response.lod = *lod;
                 }
-                take(batch);
-                answer::<P>(&sampler, lanes.as_ref(), &source, batch, done, responses);
+                take(after_rows::<P>(rows.as_deref_mut(), written, batch));
+                answer::<P>(&sampler, lanes.as_ref(), &source, batch, answered - written, &mut responses[written..]);
             }
         }));
-        self.lanes = lanes;
+        (self.lanes, self.rows) = (lanes, rows);
     }
 
     /// The same from texels that lie elsewhere than in bytes of one piece: a memory of tiles.
@@ -195,7 +198,7 @@ impl<'m> Unit<'m> {
         assert_eq!(requests.len(), responses.len(), "one response a request");
         assert_ne!(self.sampler.filter, Filter::Sat, "sums are no texels");
         let Sampler { filter: program, filter_bits, rounding, .. } = self.sampler;
-        let take = &mut |batch: Batch<'_>| sink.take(batch);
+        let take = &mut |batch: AddressBatch<'_>| sink.take(batch);
         self.run_through(requests, responses, take, |batch, responses| {
             let (texels, weight_bits) = (batch.texels_per_tap, weight_bits(program));
             for (taps, response) in batch.per_request().zip(responses) {
@@ -209,7 +212,7 @@ impl<'m> Unit<'m> {
         &mut self,
         requests: &[Request],
         responses: &mut [Response],
-        take_batch: &mut dyn FnMut(Batch<'_>),
+        take_batch: &mut dyn FnMut(AddressBatch<'_>),
         mut answer: impl FnMut(Batch<'_>, &mut [Response]),
     ) {
         let mut rest = responses;
@@ -219,7 +222,7 @@ impl<'m> Unit<'m> {
             for (response, lod) in responses.iter_mut().zip(lods) {
                 response.lod = *lod;
             }
-            take_batch(batch);
+            take_batch(batch.into());
             answer(batch, responses);
         });
     }
@@ -229,7 +232,7 @@ impl<'m> Unit<'m> {
         let size = self.batch;
         with_program!(self.sampler.filter, P => {
             for requests in requests.chunks(size) {
-                let (batch, lods) = self.expand::<P>(requests, 0);
+                let (batch, lods) = self.expand::<P>(requests);
                 look(batch, &lods[..batch.len()]);
             }
         });
@@ -240,24 +243,27 @@ impl<'m> Unit<'m> {
         self.address_batches(requests, &mut |batch| sink.take(batch));
     }
 
-    fn address_batches(&mut self, requests: &[Request], take: &mut dyn FnMut(Batch<'_>)) {
+    fn address_batches(&mut self, requests: &[Request], take: &mut dyn FnMut(AddressBatch<'_>)) {
         let size = self.batch;
+        let (lanes, mut rows) = (self.lanes.take(), self.rows.take());
         with_program!(self.sampler.filter, P => {
             for requests in requests.chunks(size) {
-                let done = match &self.lanes {
-                    Some(lanes) => lanes.write(requests, &mut self.footprints),
-                    None => 0,
+                let written = match (&lanes, &mut rows) {
+                    (Some(lanes), Some(rows)) => lanes.run(requests, None, Some(rows)),
+                    _ => 0,
                 };
-                take(self.expand::<P>(requests, done).0);
+                let (batch, _) = self.expand::<P>(&requests[written..]);
+                take(after_rows::<P>(rows.as_deref_mut(), written, batch));
             }
         });
+        (self.lanes, self.rows) = (lanes, rows);
     }
 
-    /// The taps and levels of at most one batch of requests; those of the first `done` requests have been written.
+    /// The taps and levels of at most one batch of requests.
     #[inline]
-    fn expand<P: Program>(&mut self, requests: &[Request], done: usize) -> (Batch<'_>, &[[u16; 2]]) {
-        let mut end = done * P::MOST_TAPS;
-        for (number, (request, lod)) in requests.iter().zip(&mut self.lods).enumerate().skip(done) {
+    fn expand<P: Program>(&mut self, requests: &[Request]) -> (Batch<'_>, &[[u16; 2]]) {
+        let mut end = 0;
+        for (number, (request, lod)) in requests.iter().zip(&mut self.lods).enumerate() {
             let taps = &mut self.footprints[end..end + P::MOST_TAPS];
             let (count, levels) = P::expand(&self.taps, request, taps);
             *lod = levels;
@@ -279,6 +285,18 @@ impl<'m> Unit<'m> {
         };
         let taps = &self.footprints[..end];
         (Batch { taps, requests: divided, texels_per_tap: P::TEXELS, surface: self.surface }, &self.lods)
+    }
+}
+
+/// The addresses of so many requests whose taps lanes have written, and of a batch after them.
+fn after_rows<'b, P: Program>(rows: Option<&'b mut TapRows>, written: usize, batch: Batch<'b>) -> AddressBatch<'b> {
+    match rows {
+        Some(rows) if written > 0 => {
+            let before = written * P::MOST_TAPS;
+            rows.add(before, batch.taps);
+            AddressBatch { taps: Places::Rows(rows, before + batch.taps.len()), ..batch.into() }
+        }
+        _ => batch.into(),
     }
 }
 

@@ -1,4 +1,4 @@
-//! The lanes of the machine against the scalar units: every bit of every answer and of every tap.
+//! The lanes of the machine against the scalar units: every bit of every answer, of every address, and of what is counted of them.
 
 use proptest::{
     prelude::*,
@@ -6,8 +6,11 @@ use proptest::{
     test_runner::{TestRng, TestRunner},
 };
 use texunit_hw::{
-    AddressMode, Batch, FILTERS, Filter, Footprint, Format, I12F20, Layout, LevelRounding, LodSource, Log2, Request,
-    Requests, Response, Rounding, Sampler, Sink, Surface, Unit,
+    AddressBatch, AddressMode, FILTERS, Filter, Format, Geometry, I12F20, Layout, LevelRounding, LodSource, Log2,
+    Policy, Request, Requests, Response, Rounding, Sampler, Sink, Surface, Unit,
+    address::is_outside,
+    cache::{Counters, Detail, PlaneCounters, TexelCache},
+    timing::{MemoryParameters, Parameters, PlaneTiming, Timing, TimingCounters},
 };
 
 const MODES: [AddressMode; 4] = [AddressMode::Wrap, AddressMode::Clamp, AddressMode::Clip, AddressMode::Mirror];
@@ -24,21 +27,33 @@ fn of_texels() -> impl Iterator<Item = Filter> {
     FILTERS.into_iter().filter(|filter| *filter != Filter::Sat)
 }
 
-/// All taps and how they divide.
+/// A tap: the number of its request, its plane, and its addresses, those outside the texture as one.
+type Tap = (usize, usize, [u64; 4]);
+
+/// All taps.
 #[derive(Debug, Default, PartialEq)]
 struct Taps {
-    taps: Vec<Footprint>,
-    ends: Vec<usize>,
+    taps: Vec<Tap>,
+    requests: usize,
 }
 
 impl Sink for Taps {
-    fn take(&mut self, batch: Batch<'_>) {
-        for taps in batch.per_request() {
-            self.taps.extend(taps);
-            self.ends.push(self.taps.len());
-        }
+    fn take(&mut self, batch: AddressBatch<'_>) {
+        let mut number = 0;
+        batch.for_each_tap(|request, plane, reads| {
+            let (of_tap, addresses) = batch.tap(number);
+            assert_eq!(of_tap, plane);
+            let used = &addresses[..batch.texels_per_tap];
+            assert!(used.iter().filter(|&&address| !is_outside(address)).eq(reads), "{used:?} are read as {reads:?}");
+            let mut addresses = addresses.map(|address| if is_outside(address) { u64::MAX } else { address });
+            addresses[batch.texels_per_tap..].fill(0);
+            self.taps.push((self.requests + request, plane, addresses));
+            number += 1;
+        });
+        assert_eq!(number, batch.taps());
+        self.requests += batch.len();
         if let Requests::Each(taps) = batch.requests {
-            assert_eq!(batch.taps.len(), taps * batch.len());
+            assert_eq!(batch.taps(), taps * batch.len());
         }
     }
 }
@@ -115,6 +130,21 @@ fn draw<S: Strategy>(runner: &mut TestRunner, strategy: &S) -> S::Value {
     strategy.new_tree(runner).expect("nothing is rejected").current()
 }
 
+/// What a small cache, and a machine around another, make of the taps of requests.
+fn counted(
+    unit: &mut Unit<'_>,
+    requests: &[Request],
+) -> (Counters, Vec<PlaneCounters>, TimingCounters, Vec<PlaneTiming>) {
+    let cache = || TexelCache::new(Geometry { sets: 8, ways: 2, line: 64 }, Policy::Lru, 4, Detail::default());
+    let mut untimed = cache().expect("a cache");
+    unit.addresses(requests, &mut untimed);
+    let (parameters, memory) = (Parameters::default(), MemoryParameters::default());
+    let mut timing = Timing::new(&parameters, &memory, cache().expect("a cache"), 4, ()).expect("a machine that runs");
+    unit.run(requests, &mut vec![Response::default(); requests.len()], &mut timing);
+    assert_eq!(timing.cache().counters(), untimed.counters());
+    (untimed.counters(), untimed.planes(), timing.counters(), timing.planes())
+}
+
 /// Compares the two units on requests, with and without somebody to look at the taps.
 fn compare(sampler: &Sampler, surface: &Surface, bytes: &[u8], requests: &[Request]) {
     let told = || format!("{sampler:?}\n{:?} {:?}", surface.layout, surface.planes[0].size());
@@ -124,6 +154,7 @@ fn compare(sampler: &Sampler, surface: &Surface, bytes: &[u8], requests: &[Reque
     let mut right = vec![Response::default(); requests.len()];
     let mut right_taps = Taps::default();
     scalar.run(requests, &mut right, &mut right_taps);
+    let right_counts = counted(&mut scalar, requests);
 
     for mut lanes in [lanes.clone().eight_lanes(), lanes] {
         let mut seen = (vec![Response::default(); requests.len()], Taps::default());
@@ -132,6 +163,7 @@ fn compare(sampler: &Sampler, surface: &Surface, bytes: &[u8], requests: &[Reque
         lanes.run(requests, &mut unseen, &mut ());
         let mut addresses = Taps::default();
         lanes.addresses(requests, &mut addresses);
+        let counts = counted(&mut lanes, requests);
         let told = || format!("{} lanes, {}", lanes.lanes(), told());
         for (number, request) in requests.iter().enumerate() {
             assert_eq!(seen.0[number], right[number], "seen, request {number}: {request:?}\n{}", told());
@@ -139,6 +171,7 @@ fn compare(sampler: &Sampler, surface: &Surface, bytes: &[u8], requests: &[Reque
         }
         assert!(seen.1 == right_taps, "taps of a run\n{}", told());
         assert!(addresses == right_taps, "taps alone\n{}", told());
+        assert_eq!(counts, right_counts, "counters\n{}", told());
     }
 }
 

@@ -1,6 +1,6 @@
 //! The address stream of a scene alone: what studies of caches need, without a texel being made.
 
-use texunit_hw::{Filter, Format, LodSource, Sampler, Surface, Unit, batch::Sink};
+use texunit_hw::{Filter, Format, LodSource, Sampler, Sink, Surface, Unit};
 
 use crate::{
     error::{Error, Result},

@@ -2,7 +2,8 @@
 
 use texunit_hw::{
     Footprint,
-    batch::{Batch, Sink},
+    address_stream::{AddressBatch, Sink},
+    batch::Batch,
 };
 
 /// Shows `inner` the taps of a texture as they are where it lies.
@@ -19,14 +20,18 @@ pub struct Placed<'s, S> {
 }
 
 impl<S: Sink> Sink for Placed<'_, S> {
-    fn take(&mut self, batch: Batch<'_>) {
+    fn take(&mut self, batch: AddressBatch<'_>) {
         self.taps.clear();
-        self.taps.extend(batch.taps.iter().map(|tap| Footprint {
-            // What is outside stays outside: its mark is far above any base.
-            address: tap.address.map(|address| address + self.base),
-            plane: tap.plane + self.first_plane,
-            ..*tap
+        self.taps.extend((0..batch.taps()).map(|number| {
+            let (plane, addresses) = batch.tap(number);
+            Footprint {
+                // What is outside stays outside: its mark is far above any base.
+                address: addresses.map(|address| address + self.base),
+                plane: plane as u16 + self.first_plane,
+                ..Footprint::default()
+            }
         }));
-        self.inner.take(Batch { taps: self.taps, ..batch });
+        let AddressBatch { requests, texels_per_tap, surface, .. } = batch;
+        self.inner.take(Batch { taps: self.taps, requests, texels_per_tap, surface }.into());
     }
 }

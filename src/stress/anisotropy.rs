@@ -1,6 +1,6 @@
 //! X6: footprints up to a million times as long as wide.
 
-use texunit_hw::{Batch, Filter, Log2, Sink, Unit, lod::raw_level};
+use texunit_hw::{AddressBatch, Filter, Log2, Sink, Unit, lod::raw_level};
 
 use super::{
     Case, LEVEL, Row,
@@ -29,8 +29,8 @@ fn naive_minor_squared(gradient: Gradient) -> f32 {
 struct Taps(usize);
 
 impl Sink for Taps {
-    fn take(&mut self, batch: Batch<'_>) {
-        self.0 += batch.taps.len();
+    fn take(&mut self, batch: AddressBatch<'_>) {
+        self.0 += batch.taps();
     }
 }
 

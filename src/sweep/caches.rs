@@ -2,7 +2,7 @@
 
 use texunit_hw::{
     Geometry, Policy,
-    batch::{Batch, Sink},
+    address_stream::{AddressBatch, Sink},
     cache::{Cache, GeometryError},
     sweep::{FifoSweep, Grid, LOG2_SETS_MAX, LruSweep, WAYS_MAX},
 };
@@ -93,7 +93,7 @@ impl Caches {
 }
 
 impl Sink for Caches {
-    fn take(&mut self, batch: Batch<'_>) {
+    fn take(&mut self, batch: AddressBatch<'_>) {
         batch.for_each_read(|_, address| self.addresses.push(address));
         if self.addresses.len() >= BLOCK {
             self.flush();

@@ -4,7 +4,7 @@ use std::{io::Write, path::Path};
 
 use texunit_hw::{
     Request, Response, Sampler, Unit,
-    batch::{Batch, Requests, Sink},
+    address_stream::{AddressBatch, Sink},
     cache::Cache,
 };
 
@@ -126,15 +126,15 @@ struct RequestMeter {
 }
 
 impl Sink for RequestMeter {
-    fn take(&mut self, batch: Batch<'_>) {
-        for taps in batch.per_request() {
-            let [mut reads, mut misses] = [0; 2];
-            Batch { taps, requests: Requests::Each(taps.len()), ..batch }.for_each_read(|_, address| {
-                reads += 1;
-                misses += u16::from(!self.cache.access(address).is_hit());
-            });
-            self.counts.push([reads, misses]);
-        }
+    fn take(&mut self, batch: AddressBatch<'_>) {
+        let Self { cache, counts } = self;
+        let before = counts.len();
+        counts.resize(before + batch.len(), [0; 2]);
+        batch.for_each_tap(|request, _, addresses| {
+            let [reads, misses] = &mut counts[before + request];
+            *reads += addresses.len() as u16;
+            *misses += addresses.iter().filter(|&&address| !cache.access(address).is_hit()).count() as u16;
+        });
     }
 }
 
@@ -142,7 +142,7 @@ impl Sink for RequestMeter {
 struct Reads<F>(F);
 
 impl<F: FnMut(u64)> Sink for Reads<F> {
-    fn take(&mut self, batch: Batch<'_>) {
+    fn take(&mut self, batch: AddressBatch<'_>) {
         batch.for_each_read(|_, address| (self.0)(address));
     }
 }

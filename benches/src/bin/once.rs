@@ -7,7 +7,7 @@ use texunit_benches::{
     yardstick,
 };
 use texunit_hw::{
-    Batch, FILTERS, Geometry, Policy, Response, Sampler, Sink, Unit,
+    AddressBatch, FILTERS, Geometry, Policy, Response, Sampler, Sink, Unit,
     cache::{Cache, Detail, TexelCache},
     timing::{MemoryParameters, Parameters, Timing},
 };
@@ -16,8 +16,8 @@ use texunit_hw::{
 struct Nothing;
 
 impl Sink for Nothing {
-    fn take(&mut self, batch: Batch<'_>) {
-        black_box(batch.taps);
+    fn take(&mut self, batch: AddressBatch<'_>) {
+        black_box(batch);
     }
 }
 

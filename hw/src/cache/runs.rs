@@ -7,8 +7,8 @@ use alloc::vec::Vec;
 
 use super::{Cache, Engine, Geometry, Outcome, PlaneCounters, Policy};
 use crate::{
-    address::{Footprint, is_outside},
-    batch::{Batch, PlanePairs},
+    address::is_outside,
+    address_stream::{AddressBatch, Places, PlanePairs},
     lanes::{LANES, PLACES, RunLanes, RunShape},
 };
 
@@ -54,15 +54,23 @@ impl Run {
 pub(crate) struct Runs<'s> {
     /// All of them, tap by tap.
     pub(crate) runs: &'s [Run],
-    /// How many each tap has, and the bit [`REPEATED`](Self::REPEATED).
-    pub(crate) counts: &'s [u8],
-    /// Of which planes the taps are.
-    pub(crate) pairs: &'s PlanePairs,
+    pub(crate) taps: TapsOfRuns<'s>,
     /// More than the number of any plane read so far.
     pub(crate) planes: usize,
 }
 
-impl Runs<'_> {
+/// What is known of the taps that runs are of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TapsOfRuns<'s> {
+    /// How many runs each has, and the bit [`REPEATED`](Self::REPEATED).
+    pub(crate) counts: &'s [u8],
+    /// Storage index of the plane of each.
+    pub(crate) planes: &'s [u32],
+    /// The same two by two.
+    pub(crate) pairs: &'s PlanePairs,
+}
+
+impl TapsOfRuns<'_> {
     /// Runs of the tap may be of one line.
     pub(crate) const REPEATED: u8 = 1 << 7;
 }
@@ -222,6 +230,8 @@ pub(super) struct Splitter {
     runs: Vec<Run>,
     /// How many each tap has.
     counts: Vec<u8>,
+    /// Of which plane each tap is, where it does not say so itself.
+    planes: Vec<u32>,
     pairs: PlanePairs,
 }
 
@@ -243,71 +253,75 @@ impl Splitter {
             lanes: RunLanes::detect().filter(|_| suits).map(|lanes| (lanes, shape)),
             runs: Vec::new(),
             counts: Vec::new(),
+            planes: Vec::new(),
             pairs: PlanePairs::default(),
         }
     }
 
-    /// The runs of a batch, how many each tap has as [`Runs::counts`] says, the planes of the taps, and the number of texels read; `planes` counts those of
-    /// each plane.
-    pub(super) fn split(
-        &mut self,
-        batch: Batch<'_>,
-        planes: &mut [PlaneCounters],
-    ) -> (&mut [Run], &[u8], &PlanePairs, u64) {
+    /// The runs of a batch, to be looked up, what is known of its taps, and the number of texels read; `counters` counts those of each plane.
+    pub(super) fn split<'s>(
+        &'s mut self,
+        batch: AddressBatch<'s>,
+        counters: &mut [PlaneCounters],
+    ) -> (&'s mut [Run], TapsOfRuns<'s>, u64) {
+        let (taps, number_of_taps, texels) = (batch.taps, batch.taps(), batch.texels_per_tap);
         // As many as there can be, and what eight taps may write to.
-        let most = 4 * batch.taps.len() + PLACES;
+        let most = 4 * number_of_taps + PLACES;
         if self.runs.len() < most {
             self.runs.resize(most, Run::default());
         }
-        self.counts.resize(batch.taps.len(), 0);
+        self.counts.resize(number_of_taps, 0);
         let (mut runs, mut counts) = (core::mem::take(&mut self.runs), core::mem::take(&mut self.counts));
-        let whole = batch.texels_per_tap == 4 && self.told != Told::One;
-        let (eights, _) = batch.taps.as_chunks();
-        self.pairs.count(batch.taps);
+        let whole = texels == 4 && self.told != Told::One;
+        let planes = match taps {
+            Places::Rows(rows, taps) => &rows.planes[..taps],
+            Places::Footprints(taps) => {
+                self.planes.clear();
+                self.planes.extend(taps.iter().map(|tap| u32::from(tap.plane)));
+                &self.planes
+            }
+        };
+        self.pairs.count(planes);
         self.pairs.for_each(|of, times| {
-            of.iter().for_each(|&plane| planes[usize::from(plane)].lookups += times * batch.texels_per_tap as u64);
+            of.iter().for_each(|&plane| counters[plane as usize].lookups += times * texels as u64);
         });
         let (mut number, mut count, mut outside) = (0, 0, 0);
-        while number < batch.taps.len() {
+        while number < number_of_taps {
             let mut next = number;
             if let Some((lanes, shape)) = self.lanes.filter(|_| whole) {
                 // Mostly all of them.
-                let (found, written) = lanes.write(
-                    &eights[(number / LANES).min(eights.len())..],
-                    number as u32,
-                    shape,
-                    &mut runs[count..],
-                    &mut counts[number..],
-                );
+                let (found, written) =
+                    lanes.write(taps, number / LANES, shape, &mut runs[count..], &mut counts[number..]);
                 next += found * LANES;
                 count += written;
             }
             // What lanes leave, eight at most.
-            number = batch.taps.len().min(next + LANES);
-            for (tap, number) in batch.taps[next..number].iter().zip(next..) {
-                let before = count;
-                if let Some((pair, runs_of_tap)) = if whole { self.pair(number, tap) } else { None } {
+            number = number_of_taps.min(next + LANES);
+            for number in next..number {
+                let (before, addresses) = (count, taps.addresses(number));
+                if let Some((pair, runs_of_tap)) = if whole { self.pair(number, addresses) } else { None } {
                     runs[count..count + 2].copy_from_slice(&pair);
                     count += runs_of_tap;
                 } else {
-                    let singles = self.one_by_one(number, &tap.address[..batch.texels_per_tap], &mut runs[count..]);
+                    let singles = self.one_by_one(number, &addresses[..texels], &mut runs[count..]);
                     count += singles;
-                    outside += batch.texels_per_tap - singles;
-                    planes[usize::from(tap.plane)].lookups -= (batch.texels_per_tap - singles) as u64;
+                    outside += texels - singles;
+                    counters[planes[number] as usize].lookups -= (texels - singles) as u64;
                 }
                 let repeated = runs[before..count].iter().any(Run::is_repeated);
-                counts[number] = (count - before) as u8 | if repeated { Runs::REPEATED } else { 0 };
+                counts[number] = (count - before) as u8 | if repeated { TapsOfRuns::REPEATED } else { 0 };
             }
         }
-        let lookups = batch.taps.len() * batch.texels_per_tap - outside;
+        let lookups = number_of_taps * texels - outside;
         (self.runs, self.counts) = (runs, counts);
-        (&mut self.runs[..count], &self.counts, &self.pairs, lookups as u64)
+        let of_taps = TapsOfRuns { counts: &self.counts, planes, pairs: &self.pairs };
+        (&mut self.runs[..count], of_taps, lookups as u64)
     }
 
     /// One or two runs that four texels make, and how many; `None` if they make more, or some are outside.
-    fn pair(&self, number: usize, tap: &Footprint) -> Option<([Run; 2], usize)> {
-        let [a, b, c, d] = tap.address;
-        let lines = tap.address.map(|address| address >> self.line_shift);
+    fn pair(&self, number: usize, addresses: [u64; 4]) -> Option<([Run; 2], usize)> {
+        let [a, b, c, d] = addresses;
+        let lines = addresses.map(|address| address >> self.line_shift);
         let in_rows = lines[0] == lines[1] && lines[2] == lines[3];
         // Left, right, left, right: the second round finds and leaves everything as the first left it.
         let in_columns = lines[0] == lines[2]
@@ -316,7 +330,7 @@ impl Splitter {
         if is_outside(a | b | c | d) || !(in_rows || in_columns) {
             return None;
         }
-        let [a, b, c, d] = tap.address.map(|address| (address >> self.texel_shift & self.texel_mask) as u32);
+        let [a, b, c, d] = addresses.map(|address| (address >> self.texel_shift & self.texel_mask) as u32);
         let run = |line, texels: &[u32]| Run { line, texels: self.told.all(texels), tap: number as u32 };
         Some(match (in_rows, in_columns) {
             (true, true) => ([run(lines[0], &[a, b, c, d]); 2], 1),

@@ -3,8 +3,7 @@
 use alloc::{sync::Arc, vec, vec::Vec};
 
 use crate::{
-    address::Footprint,
-    batch::{Batch, Sink},
+    address_stream::{AddressBatch, Sink},
     decompression::StoredLines,
 };
 
@@ -217,34 +216,38 @@ impl TexelCache {
 impl TexelCache {
     /// Reads the taps of a batch, of a layout that keeps a texel together, with someone watching. The answer is the runs it read.
     #[inline]
-    pub(crate) fn take_observed(&mut self, batch: Batch<'_>, observer: &mut impl RunObserver) -> Runs<'_> {
+    pub(crate) fn take_observed<'s>(
+        &'s mut self,
+        batch: AddressBatch<'s>,
+        observer: &mut impl RunObserver,
+    ) -> Runs<'s> {
         let planes = batch.surface.planes.len();
         if self.planes.len() < planes {
             self.planes.resize(planes, PlaneCounters::default());
         }
         let planes = &mut self.planes[..];
-        let (runs, counts, pairs, lookups) = self.splitter.split(batch, planes);
-        let taps = batch.taps;
+        let (runs, taps, lookups) = self.splitter.split(batch, planes);
+        let plane_of = taps.planes;
         match &mut self.meter {
             Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None }
                 if line_use.told() == Told::Bits =>
             {
-                let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, taps };
+                let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, plane_of };
                 self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
             meter => {
-                let watch = &mut SomeWatch { meter, planes, taps };
+                let watch = &mut SomeWatch { meter, planes, plane_of };
                 self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
         }
-        Runs { runs, counts, pairs, planes: self.planes.len() }
+        Runs { runs, taps, planes: self.planes.len() }
     }
 }
 
 impl Sink for TexelCache {
     /// Reads the taps of a batch, texel by texel, in order of issue.
     #[inline]
-    fn take(&mut self, batch: Batch<'_>) {
+    fn take(&mut self, batch: AddressBatch<'_>) {
         if batch.surface.reads_per_texel() > 1 {
             return batch.for_each_read(|plane, address| {
                 self.read(plane, address);
@@ -259,7 +262,8 @@ struct FullWatch<'a> {
     classifier: &'a mut MissClassifier,
     marks: Marks<'a, true>,
     planes: &'a mut [PlaneCounters],
-    taps: &'a [Footprint],
+    /// By tap.
+    plane_of: &'a [u32],
 }
 
 /// Hits of a stretch: their marks, and the shadow's part of them.
@@ -302,7 +306,7 @@ impl RunObserver for FullWatch<'_> {
     fn miss(&mut self, run: &mut Run, slot: u32, evicted: Option<u64>) {
         self.marks.miss(run.texels, slot, evicted);
         let class = self.classifier.miss(run.line, slot);
-        let row = &mut self.planes[usize::from(self.taps[run.tap()].plane)];
+        let row = &mut self.planes[self.plane_of[run.tap()] as usize];
         row.classes.count(class);
         row.misses += 1;
     }
@@ -312,7 +316,8 @@ impl RunObserver for FullWatch<'_> {
 struct SomeWatch<'a> {
     meter: &'a mut Meter,
     planes: &'a mut [PlaneCounters],
-    taps: &'a [Footprint],
+    /// By tap.
+    plane_of: &'a [u32],
 }
 
 /// The same, of what is wanted.
@@ -365,7 +370,7 @@ impl RunObserver for SomeWatch<'_> {
         if let Some(line_use) = &mut self.meter.line_use {
             line_use.marks::<false>().miss(run.texels, slot, evicted);
         }
-        let row = &mut self.planes[usize::from(self.taps[run.tap()].plane)];
+        let row = &mut self.planes[self.plane_of[run.tap()] as usize];
         if let Some(classifier) = &mut self.meter.classifier {
             row.classes.count(classifier.miss(run.line, slot));
         }

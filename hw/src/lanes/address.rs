@@ -1,15 +1,11 @@
 //! The address unit in lanes (see `address`): the same tables, in words of 32 bits that count texels.
 
-use core::arch::x86_64::__m256i;
-
 use alloc::vec::Vec;
 
-use super::{
-    machine::{Machine, transposed},
-    room::{Avx2, Table},
-};
+use super::{machine::Machine, room::Table};
 use crate::{
-    address::{AddressUnit, FIRST_INDEX, Footprint, OUTSIDE},
+    address::{AddressUnit, FIRST_INDEX, OUTSIDE},
+    address_stream::TapRows,
     coordinate::COORDINATE_BITS,
 };
 
@@ -19,6 +15,8 @@ const MOST_TEXELS: u64 = 1 << OUTSIDE_SHIFT;
 const OUTSIDE_SHIFT: u32 = 29;
 /// Stands for `OUTSIDE`.
 const OUTSIDE_INDEX: u32 = 1 << OUTSIDE_SHIFT;
+// As the address of a texel of four bytes.
+const _: () = assert!(OUTSIDE_INDEX << 2 == TapRows::OUTSIDE);
 
 /// Sides are at most this, so that the index of a texel under any coordinate is a number of 32 bits.
 const LARGEST_SIDE: u32 = 1 << 19;
@@ -163,42 +161,56 @@ impl Addresses {
         (index, m.and(fraction, m.splat(255)))
     }
 
-    /// Writes the tap of each request as the one of its footprints with this number.
+    /// Writes the taps of as many requests as there are lanes, the first of them as the one numbered `first`: their first texel, or all four.
     ///
     /// # Panics
-    /// If there are fewer requests' footprints than lanes.
+    /// If there is not room for them.
     #[inline(always)]
     pub(super) fn write<M: Machine, const TAPS: usize>(
         &self,
         m: M,
-        taps: &Taps<M>,
-        weight: M::Words,
-        plane: M::Words,
-        number: usize,
-        to: &mut [[Footprint; TAPS]],
+        taps: &[Taps<M>; TAPS],
+        planes: [M::Words; TAPS],
+        texels: usize,
+        first: usize,
+        rows: &mut TapRows,
     ) {
-        let to = &mut to[..M::LANES];
-        let corners = transposed(m, taps.corners);
-        let fractions = m.or(taps.fractions[0], m.shl(taps.fractions[1], 16));
-        let rests = transposed(m, [fractions, weight, plane, m.splat(0)]);
-        for part in 0..M::LANES / 4 {
-            for lane in 0..4 {
-                let index = m.eight().widen(m.part(corners[lane], part));
-                let addresses = if self.clips { marked(m.eight(), index) } else { m.eight().shl64(index, 2) };
-                let footprint = &mut to[4 * part + lane][number];
-                m.eight().store_footprint(footprint, addresses, m.part(rests[lane], part));
+        let mut words = planes;
+        store(m, words, &mut rows.planes[first..]);
+        for (corner, row) in rows.corners.iter_mut().enumerate().take(texels) {
+            for (words, tap) in words.iter_mut().zip(taps) {
+                let index = tap.corners[corner];
+                // Twice outside is outside.
+                let index = if self.clips { m.min(index, m.splat(OUTSIDE_INDEX.cast_signed())) } else { index };
+                *words = m.shl(index, 2);
             }
+            store(m, words, &mut row[first..]);
         }
     }
 }
 
-/// Byte addresses of four texels, with the marks of those outside as a [`Footprint`] has them: how often an index holds `OUTSIDE_INDEX`
-/// moves up to be how often the address holds `OUTSIDE`.
+/// Stores words of the taps of requests, a register a tap of each, in order of issue.
 #[inline(always)]
-fn marked(m: Avx2, index: __m256i) -> __m256i {
-    let marks = m.shl64(m.shr64(index, OUTSIDE_SHIFT as i32), OUTSIDE.trailing_zeros() as i32);
-    let within = m.and(index, m.splat64(i64::from(OUTSIDE_INDEX) - 1));
-    m.or(m.shl64(within, 2), marks)
+fn store<M: Machine, const TAPS: usize>(m: M, words: [M::Words; TAPS], to: &mut [u32]) {
+    let to = &mut to[..TAPS * M::LANES];
+    let [first, second, third, fourth] = [0, 1, 2, 3].map(|number| number * M::LANES);
+    match words[..] {
+        [a, b] => {
+            let [ab, ab_after] = m.interleaved(a, b);
+            m.store(ab, &mut to[first..]);
+            m.store(ab_after, &mut to[second..]);
+        }
+        [a, b, c, d] => {
+            let ([ac, ac_after], [bd, bd_after]) = (m.interleaved(a, c), m.interleaved(b, d));
+            let ([early, late], [later, last]) = (m.interleaved(ac, bd), m.interleaved(ac_after, bd_after));
+            m.store(early, &mut to[first..]);
+            m.store(late, &mut to[second..]);
+            m.store(later, &mut to[third..]);
+            m.store(last, &mut to[fourth..]);
+        }
+        [one, ..] => m.store(one, to),
+        [] => {}
+    }
 }
 
 /// One axis of the planes of taps.

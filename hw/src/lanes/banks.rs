@@ -3,7 +3,7 @@
 use core::arch::x86_64::*;
 
 use super::{LANES, footprints::low_words, room::Avx2};
-use crate::address::Footprint;
+use crate::address_stream::Places;
 
 /// Looks at taps, on machines that can.
 #[derive(Clone, Copy, Debug)]
@@ -28,18 +28,21 @@ impl BankLanes {
         Avx2::detect().filter(|_| suits).map(|machine| Self { machine, words: banks(words), lines: banks(lines) })
     }
 
-    /// Whether the four words of each tap are in four banks; and of each tap, 1 if its first and its last texel are in two lines of one bank. Nothing
-    /// if an address is beyond 32 bits.
+    /// Whether the four words of each of the eight taps of this number are in four banks; and of each tap, 1 if its first and its last texel are in two
+    /// lines of one bank. Nothing if an address is beyond 32 bits or outside.
+    ///
+    /// # Panics
+    /// If there are fewer taps.
     #[inline(always)]
-    pub(crate) fn look(self, taps: &[Footprint; LANES]) -> Option<(bool, [u8; LANES])> {
-        self.machine.look_at_banks(taps, [self.words, self.lines])
+    pub(crate) fn look(self, taps: Places<'_>, eight: usize) -> Option<(bool, [u8; LANES])> {
+        self.machine.look_at_banks(taps, eight, [self.words, self.lines])
     }
 }
 
 /// [`BankLanes::look`].
 #[target_feature(enable = "avx2")]
-pub(super) fn look(m: Avx2, taps: &[Footprint; LANES], [words, lines]: [Banks; 2]) -> Option<(bool, [u8; LANES])> {
-    let corners = low_words(m, taps)?;
+pub(super) fn look(m: Avx2, taps: Places<'_>, eight: usize, [words, lines]: [Banks; 2]) -> Option<(bool, [u8; LANES])> {
+    let corners = low_words(m, taps, eight)?;
     let splat = |word: u32| _mm256_set1_epi32(word as i32);
     let number = |corner, of: Banks| _mm256_srl_epi32(corner, _mm_cvtsi32_si128(of.shift as i32));
     let bank = |corner| _mm256_sllv_epi32(splat(1), _mm256_and_si256(number(corner, words), splat(words.mask)));

@@ -5,6 +5,7 @@ use core::marker::PhantomData;
 use super::{Kept, RunShape};
 use crate::{
     address::Footprint,
+    address_stream::{Places, TapRows},
     cache::Run,
     datapath::Texel,
     request::{Request, Response},
@@ -33,15 +34,11 @@ impl<'m> Lanes<'m> {
         match self.none {}
     }
 
-    pub(crate) fn answer(&self, _: &[Request], _: &mut [Response]) -> usize {
+    pub(crate) const fn writes(&self) -> bool {
         match self.none {}
     }
 
-    pub(crate) fn answer_and_write(&self, _: &[Request], _: &mut [Response], _: &mut [Footprint]) -> usize {
-        match self.none {}
-    }
-
-    pub(crate) fn write(&self, _: &[Request], _: &mut [Footprint]) -> usize {
+    pub(crate) fn run(&self, _: &[Request], _: Option<&mut [Response]>, _: Option<&mut TapRows>) -> usize {
         match self.none {}
     }
 
@@ -62,14 +59,7 @@ impl RunLanes {
         None
     }
 
-    pub(crate) fn write(
-        self,
-        _: &[[Footprint; 8]],
-        _: u32,
-        _: RunShape,
-        _: &mut [Run],
-        _: &mut [u8],
-    ) -> (usize, usize) {
+    pub(crate) fn write(self, _: Places<'_>, _: usize, _: RunShape, _: &mut [Run], _: &mut [u8]) -> (usize, usize) {
         match self.0 {}
     }
 }
@@ -115,7 +105,7 @@ impl BankLanes {
         None
     }
 
-    pub(crate) fn look(self, _: &[Footprint; 8]) -> Option<(bool, [u8; 8])> {
+    pub(crate) fn look(self, _: Places<'_>, _: usize) -> Option<(bool, [u8; 8])> {
         match self.0 {}
     }
 }

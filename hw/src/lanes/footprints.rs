@@ -8,7 +8,11 @@ use super::{
     filter::{self, LACK, Sums},
     room::{Avx2, Texels},
 };
-use crate::{address::Footprint, datapath::Texel};
+use crate::{
+    address::Footprint,
+    address_stream::{BATCH_TAPS, Places, TapRows},
+    datapath::Texel,
+};
 
 /// The corners of eight footprints as indices of texels; what is outside becomes an index past the end of any memory.
 #[inline]
@@ -25,10 +29,31 @@ fn corners(m: Avx2, taps: &[Footprint; LANES]) -> [__m256i; 4] {
     columns([pair(0), pair(2), pair(4), pair(6)])
 }
 
-/// The addresses of eight taps, a register a corner; none if one is beyond 32 bits.
+/// The addresses of the eight taps of this number, a register a corner; none if one is beyond 32 bits or outside.
+///
+/// # Panics
+/// If there are fewer taps.
 #[inline]
 #[target_feature(enable = "avx2")]
-pub(super) fn low_words(m: Avx2, taps: &[Footprint; LANES]) -> Option<[__m256i; 4]> {
+pub(super) fn low_words(m: Avx2, taps: Places<'_>, eight: usize) -> Option<[__m256i; 4]> {
+    match taps {
+        Places::Footprints(taps) => of_footprints(m, &taps.as_chunks().0[eight]),
+        Places::Rows(rows, _) => {
+            let [a, b, c, d] = &rows.corners;
+            let load = |row: &[u32; BATCH_TAPS]| m.load_words(&row.as_chunks().0[eight]);
+            let [a, b, c, d] = [load(a), load(b), load(c), load(d)];
+            let any = _mm256_or_si256(_mm256_or_si256(a, b), _mm256_or_si256(c, d));
+            // The highest bit is set of those that are outside, and of no other.
+            const { assert!(TapRows::OUTSIDE == 1 << 31) };
+            (_mm256_movemask_ps(_mm256_castsi256_ps(any)) == 0).then_some([a, b, c, d])
+        }
+    }
+}
+
+/// [`low_words`] of footprints.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn of_footprints(m: Avx2, taps: &[Footprint; LANES]) -> Option<[__m256i; 4]> {
     let [a, b, c, d, e, f, g, h] = [0, 1, 2, 3, 4, 5, 6, 7].map(|number| m.load_addresses(&taps[number]));
     let any = |x, y| _mm256_or_si256(x, y);
     let high = any(any(any(a, b), any(c, d)), any(any(e, f), any(g, h)));

@@ -8,7 +8,7 @@ use super::{
     room::{Table, Texels, ask_ahead},
 };
 use crate::{
-    address::Footprint,
+    address_stream::TapRows,
     lod::LevelRange,
     request::{Request, Response},
     sampler::{Filter, LevelRounding, Sampler},
@@ -80,17 +80,18 @@ impl<'m> Kernel<'m> {
         taps_of(self.filter as u8)
     }
 
-    /// Answers requests if `ANSWER`, writes their taps if `WRITE`, as many as fill registers; what is not asked for may be empty.
+    /// Answers requests, and writes their taps from the one numbered `first`, as far as either is asked for, as many requests as fill registers.
     ///
     /// # Panics
     /// If there is not room for the taps.
     #[inline(always)]
-    pub(super) fn run<M: Machine, const ANSWER: bool, const WRITE: bool>(
+    pub(super) fn run<M: Machine>(
         &self,
         m: M,
         requests: &[Request],
-        responses: &mut [Response],
-        footprints: &mut [Footprint],
+        responses: Option<&mut [Response]>,
+        rows: Option<&mut TapRows>,
+        first: usize,
     ) {
         // A loop a filter: its taps and weights stay in registers.
         macro_rules! filters {
@@ -98,7 +99,7 @@ impl<'m> Kernel<'m> {
                 match self.filter {
                     $(Filter::$filter => {
                         const FILTER: u8 = Filter::$filter as u8;
-                        self.registers::<M, FILTER, { taps_of(FILTER) }, ANSWER, WRITE>(m, requests, responses, footprints);
+                        self.registers::<M, FILTER, { taps_of(FILTER) }>(m, requests, responses, rows, first);
                     })*
                     _ => unreachable!("no kernel is made for filters of many taps"),
                 }
@@ -108,30 +109,34 @@ impl<'m> Kernel<'m> {
     }
 
     #[inline(always)]
-    fn registers<M: Machine, const FILTER: u8, const TAPS: usize, const ANSWER: bool, const WRITE: bool>(
+    fn registers<M: Machine, const FILTER: u8, const TAPS: usize>(
         &self,
         m: M,
         requests: &[Request],
-        responses: &mut [Response],
-        footprints: &mut [Footprint],
+        responses: Option<&mut [Response]>,
+        mut rows: Option<&mut TapRows>,
+        mut first: usize,
     ) {
         let nothing = m.splat(0);
         let levels = Levels { planes: [nothing; 4], t: [nothing; 2], lod: nothing };
         let mut stage = [Made { taps: [Taps { corners: [nothing; 4], fractions: [nothing; 2] }; TAPS], levels }; STAGE];
-        let mut responses = responses.chunks_exact_mut(M::LANES);
-        let mut footprints = footprints.chunks_exact_mut(M::LANES * TAPS);
+        let mut responses = responses.map(|responses| responses.chunks_exact_mut(M::LANES));
         for requests in requests.chunks(STAGE * M::LANES) {
             let stage = &mut stage[..requests.len() / M::LANES];
             for (requests, made) in requests.chunks_exact(M::LANES).zip(&mut *stage) {
                 self.make::<M, FILTER, TAPS>(m, requests, made);
             }
-            if WRITE {
-                for (made, footprints) in stage.iter().zip(&mut footprints) {
-                    self.write::<M, FILTER, TAPS>(m, made, footprints);
+            if let Some(rows) = &mut rows {
+                let texels = if FILTER == Filter::Point as u8 { 1 } else { 4 };
+                for Made { taps, levels } in &*stage {
+                    let mut planes = [nothing; TAPS];
+                    planes.copy_from_slice(&levels.planes[..TAPS]);
+                    self.addresses.write(m, taps, planes, texels, first, rows);
+                    first += TAPS * M::LANES;
                 }
             }
-            if ANSWER {
-                for (made, responses) in stage.iter().zip(&mut responses) {
+            if let Some(responses) = &mut responses {
+                for (made, responses) in stage.iter().zip(responses) {
                     m.respond(responses, self.filter::<M, FILTER, TAPS>(m, made), made.levels.lod);
                 }
             }
@@ -157,32 +162,6 @@ impl<'m> Kernel<'m> {
         }
         for (tap, plane) in made.taps.iter_mut().zip(made.levels.planes) {
             *tap = self.addresses.bilinear(m, plane, at);
-        }
-    }
-
-    /// Writes taps as the scalar unit does.
-    #[inline(always)]
-    fn write<M: Machine, const FILTER: u8, const TAPS: usize>(
-        &self,
-        m: M,
-        made: &Made<M, TAPS>,
-        footprints: &mut [Footprint],
-    ) {
-        let t = made.levels.t;
-        let one = m.splat(1);
-        let whole = m.splat(256);
-        let (s, s_between) = (m.sub(whole, t[0]), m.sub(whole, t[1]));
-        let weights = match FILTER {
-            _ if FILTER == Filter::Trilinear as u8 || FILTER == Filter::Brilinear as u8 => [s, t[0], one, one],
-            _ if FILTER == Filter::DipmapTrilinear as u8 => [s, t[0], s_between, t[1]],
-            _ if FILTER == Filter::Ripmap as u8 => {
-                [m.mul(s_between, s), m.mul(s_between, t[0]), m.mul(t[1], s), m.mul(t[1], t[0])]
-            }
-            _ => [one; 4],
-        };
-        let footprints = footprints.as_chunks_mut::<TAPS>().0;
-        for (number, (taps, weight)) in made.taps.iter().zip(weights).enumerate() {
-            self.addresses.write(m, taps, weight, made.levels.planes[number], number, footprints);
         }
     }
 

@@ -1,8 +1,6 @@
 //! What a machine's vector unit does, whatever its width: the lanes are written once, in these words.
 
-use core::arch::x86_64::__m128i;
-
-use super::room::{Avx2, Table, Texels};
+use super::room::{Table, Texels};
 use crate::request::{Request, Response};
 
 /// A vector unit, and the proof that this machine has it.
@@ -14,9 +12,6 @@ pub(super) trait Machine: Copy + core::fmt::Debug {
     type Words: Copy;
     /// Words of 32 bits in a register.
     const LANES: usize;
-
-    /// The same machine at eight lanes.
-    fn eight(self) -> Avx2;
 
     fn splat(self, value: i32) -> Self::Words;
     fn splat64(self, value: i64) -> Self::Words;
@@ -67,10 +62,12 @@ pub(super) trait Machine: Copy + core::fmt::Debug {
     fn unpack_high(self, a: Self::Words, b: Self::Words) -> Self::Words;
     fn unpack_low64(self, a: Self::Words, b: Self::Words) -> Self::Words;
     fn unpack_high64(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// Words of both in turns, lane by lane: those of the first half of the lanes, and of the second.
+    fn interleaved(self, a: Self::Words, b: Self::Words) -> [Self::Words; 2];
+    /// Fills as many words.
+    fn store(self, words: Self::Words, to: &mut [u32]);
     /// Words as 16 bits, saturated.
     fn pack(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// The 128 bits with this number.
-    fn part(self, a: Self::Words, number: usize) -> __m128i;
     /// Lane by lane through a function.
     fn each(self, a: Self::Words, f: impl Fn(i32) -> i32) -> Self::Words;
 

@@ -3,7 +3,7 @@
 use core::arch::x86_64::*;
 
 use super::{LANES, RunShape, footprints::low_words, machine::Machine, room::Avx2};
-use crate::{address::Footprint, cache::Run};
+use crate::{address_stream::Places, cache::Run};
 
 /// Runs of a tap at most.
 const MOST: usize = 4;
@@ -37,16 +37,16 @@ impl RunLanes {
         Avx2::detect().map(Self)
     }
 
-    /// Writes the runs of taps, the first of which has the number `first`, in lines of at most 32 texels, up to a tap that has an address beyond 32
-    /// bits, or more than one run in a line, and how many runs each tap has. How many eights of taps it was, and how many runs.
+    /// Writes the runs of taps, eight by eight from the eight numbered `first`, in lines of at most 32 texels, up to a tap that has an address beyond 32
+    /// bits or outside, or more than one run in a line, and how many runs each tap has. How many eights of taps it was, and how many runs.
     ///
     /// # Panics
     /// If there are not [`PLACES`] beyond those of runs written before, of which a tap has four at most.
     #[inline(always)]
     pub(crate) fn write(
         self,
-        taps: &[[Footprint; LANES]],
-        first: u32,
+        taps: Places<'_>,
+        first: usize,
         shape: RunShape,
         runs: &mut [Run],
         counts: &mut [u8],
@@ -59,8 +59,8 @@ impl RunLanes {
 #[target_feature(enable = "avx2")]
 pub(super) fn write(
     m: Avx2,
-    taps: &[[Footprint; LANES]],
-    first: u32,
+    taps: Places<'_>,
+    first: usize,
     shape: RunShape,
     runs: &mut [Run],
     counts: &mut [[u8; LANES]],
@@ -72,10 +72,11 @@ pub(super) fn write(
     let any = |x, y| m.or(x, y);
     let same = |x, y| _mm256_cmpeq_epi32(x, y);
     let lanes = |x| _mm256_movemask_ps(_mm256_castsi256_ps(x)) as u32;
-    let mut numbers = m.add(m.splat(first.cast_signed()), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    let mut numbers = m.add(m.splat((first * LANES) as i32), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
     let mut count = 0;
-    for (number, (eight, counts)) in taps.iter().zip(counts).enumerate() {
-        let Some(corners) = low_words(m, eight) else { return (number, count) };
+    let eights = taps.len() / LANES - first;
+    for (number, counts) in counts[..eights].iter_mut().enumerate() {
+        let Some(corners) = low_words(m, taps, first + number) else { return (number, count) };
         let line = |corner| _mm256_srl_epi32(corner, line_shift);
         let mark = |corner| _mm256_sllv_epi32(m.splat(1), both(_mm256_srl_epi32(corner, texel_shift), in_line));
         let [a, b, c, d] = corners;
@@ -139,5 +140,5 @@ pub(super) fn write(
         count += (ends >> 56) as usize;
         numbers = m.add(numbers, m.splat(LANES as i32));
     }
-    (taps.len(), count)
+    (eights, count)
 }

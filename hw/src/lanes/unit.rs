@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     address::Footprint,
+    address_stream::TapRows,
     datapath::Texel,
     format::Format,
     layout::Layout,
@@ -49,7 +50,7 @@ impl<'m> Lanes<'m> {
             wide: Avx512::detect(),
             texels: Texels::new(bytes)?,
             weight_bits: weight_bits(sampler.filter),
-            writes: kernel.is_some() && always,
+            writes: kernel.is_some() && always && !sampler.skip_empty_taps,
             kernel,
         })
     }
@@ -64,56 +65,28 @@ impl<'m> Lanes<'m> {
         Self { wide: None, ..self }
     }
 
-    /// Answers what requests it can; returns how many, from the first.
-    pub(crate) fn answer(&self, requests: &[Request], responses: &mut [Response]) -> usize {
-        match &self.kernel {
-            Some(kernel) => self.run::<true, false>(kernel, requests, responses, &mut []),
-            None => 0,
-        }
+    /// Whether taps can be written.
+    pub(crate) const fn writes(&self) -> bool {
+        self.writes
     }
 
-    /// The same, writing their taps too.
-    pub(crate) fn answer_and_write(
+    /// Answers what requests it can, or writes their taps if it [can](Self::writes), or both; returns how many, from the first.
+    pub(crate) fn run(
         &self,
         requests: &[Request],
-        responses: &mut [Response],
-        footprints: &mut [Footprint],
+        mut responses: Option<&mut [Response]>,
+        mut rows: Option<&mut TapRows>,
     ) -> usize {
-        match self.writer() {
-            Some(kernel) => self.run::<true, true>(kernel, requests, responses, footprints),
-            None => 0,
-        }
-    }
-
-    /// Writes the taps of what requests it can; returns how many, from the first.
-    pub(crate) fn write(&self, requests: &[Request], footprints: &mut [Footprint]) -> usize {
-        match self.writer() {
-            Some(kernel) => self.run::<false, true>(kernel, requests, &mut [], footprints),
-            None => 0,
-        }
-    }
-
-    fn run<const ANSWER: bool, const WRITE: bool>(
-        &self,
-        kernel: &Kernel<'_>,
-        requests: &[Request],
-        responses: &mut [Response],
-        footprints: &mut [Footprint],
-    ) -> usize {
+        let Some(kernel) = &self.kernel else { return 0 };
         // The widest first; what fills no register of it is left to the narrower.
         let mut done = 0;
         if let Some(machine) = self.wide {
-            machine.run::<ANSWER, WRITE>(kernel, requests, responses, footprints);
+            machine.run(kernel, requests, responses.as_deref_mut(), rows.as_deref_mut(), 0);
             done = requests.len() / 16 * 16;
         }
-        let responses = if ANSWER { &mut responses[done..] } else { responses };
-        let footprints = if WRITE { &mut footprints[done * kernel.taps()..] } else { footprints };
-        self.machine.run::<ANSWER, WRITE>(kernel, &requests[done..], responses, footprints);
+        let responses = responses.map(|responses| &mut responses[done..]);
+        self.machine.run(kernel, &requests[done..], responses, rows, done * kernel.taps());
         requests.len() / LANES * LANES
-    }
-
-    fn writer(&self) -> Option<&Kernel<'m>> {
-        self.kernel.as_ref().filter(|_| self.writes)
     }
 
     /// Filters requests whose taps are made: bilinear ones, `ends` where those of each request end, from the first.

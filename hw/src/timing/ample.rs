@@ -27,7 +27,7 @@ use super::{
     tag_unit::{AtHand, TagUnit},
     taps::Taps,
 };
-use crate::batch::{Batch, Requests};
+use crate::{address_stream::AddressBatch, batch::Requests};
 
 /// A machine of this kind.
 #[derive(Clone, Debug, Default)]
@@ -134,7 +134,7 @@ impl Ample {
     }
 
     /// Looks at the taps of a batch before they are looked up; if they are passed in runs, which none outside is, they are those next.
-    pub(super) fn look(&mut self, batch: Batch<'_>) -> Seen {
+    pub(super) fn look(&mut self, batch: AddressBatch<'_>) -> Seen {
         self.lookout.look(batch)
     }
 
@@ -252,7 +252,7 @@ fn tell<O: TimingObserver>(
             beside.observer.tap(TapTimes {
                 tap,
                 request,
-                plane: taps.plane(at),
+                plane: taps.plane(at) as u16,
                 issue: batch.issue[at],
                 tag: batch.taps.tags[at],
                 tag_done: batch.watched.tag_done[at],
@@ -285,7 +285,7 @@ fn count_requests(requests: Requests<'_>, taps: &impl Taps, histograms: &mut His
     let (mut pairs, mut singles, number) = ([0; 2], 0, taps.number());
     taps.count_planes(|of, times, reads| {
         for &plane in of {
-            let row = &mut planes[usize::from(plane)];
+            let row = &mut planes[plane as usize];
             row.taps += times;
             row.reads += times * reads;
         }

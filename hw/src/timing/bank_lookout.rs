@@ -1,15 +1,15 @@
 //! Which banks the taps of a batch read, seen before any of them is looked up: eight at a time where the host can.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use super::{
     banks::{BankHash, BankOf},
     parameters::Parameters,
 };
 use crate::{
-    address::{Footprint, is_outside},
-    batch::Batch,
-    lanes::BankLanes,
+    address_stream::AddressBatch,
+    lanes::{BankLanes, LANES},
 };
 
 /// Looks at taps.
@@ -44,44 +44,41 @@ impl BankLookout {
     }
 
     /// Looks at the taps of a batch.
-    pub(super) fn look(&mut self, batch: Batch<'_>) -> Seen {
+    pub(super) fn look(&mut self, batch: AddressBatch<'_>) -> Seen {
         let Self { tag_bank, line_shift, clashes, .. } = self;
-        let texels = batch.texels_per_tap;
-        let clash = |tap: &Footprint| {
-            let [first, last] = [0, texels - 1].map(|texel| tap.address[texel] >> *line_shift);
+        let (taps, texels) = (batch.taps(), batch.texels_per_tap);
+        let clash = |tap: usize| {
+            let addresses = batch.taps.addresses(tap);
+            let [first, last] = [0, texels - 1].map(|texel| addresses[texel] >> *line_shift);
             u8::from(first != last && tag_bank.bank(first) == tag_bank.bank(last))
         };
         clashes.clear();
-        clashes.reserve(batch.taps.len());
-        let mut rest = batch.taps;
+        clashes.reserve(taps);
         let (mut outside, mut all_apart) = (false, true);
+        let mut one_by_one = |taps: Range<usize>, clashes: &mut Vec<u8>| {
+            outside |= batch.any_outside(taps.clone());
+            clashes.extend(taps.map(clash));
+        };
+        let mut seen = 0;
         if let Some(lanes) = self.lanes.filter(|_| texels == 4) {
-            let eights;
-            (eights, rest) = batch.taps.as_chunks();
-            for eight in eights {
-                if let Some((apart, of_eight)) = lanes.look(eight) {
+            seen = taps - taps % LANES;
+            for eight in 0..taps / LANES {
+                if let Some((apart, of_eight)) = lanes.look(batch.taps, eight) {
                     // Addresses of 32 bits are inside.
                     all_apart &= apart;
                     clashes.extend_from_slice(&of_eight);
                 } else {
                     all_apart = false;
-                    outside |= any_outside(eight, texels);
-                    clashes.extend(eight.iter().map(clash));
+                    one_by_one(eight * LANES..(eight + 1) * LANES, clashes);
                 }
             }
         }
-        clashes.extend(rest.iter().map(clash));
-        Seen { outside: outside | any_outside(rest, texels), all_apart: texels == 1 || all_apart && rest.is_empty() }
+        one_by_one(seen..taps, clashes);
+        Seen { outside, all_apart: texels == 1 || all_apart && seen == taps }
     }
 
     /// By tap of the last batch, 1 if its first and its last texel are in two lines of one tag bank.
     pub(super) fn clashes(&self) -> &[u8] {
         &self.clashes
     }
-}
-
-/// Whether one of the texels of taps, so many each, is outside the texture.
-pub(super) fn any_outside(taps: &[Footprint], texels: usize) -> bool {
-    let addresses = taps.iter().flat_map(|tap| &tap.address[..texels]);
-    is_outside(addresses.fold(0, |all, address| all | address))
 }

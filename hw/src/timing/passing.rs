@@ -13,7 +13,7 @@ use super::{
     tap_reads::Access,
     taps::Taps,
 };
-use crate::cache::Runs;
+use crate::cache::{Runs, TapsOfRuns};
 
 /// The taps of a batch on their way.
 pub(super) struct Passing<'a, T, O> {
@@ -112,7 +112,7 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
                 counts.fill_write_clocks += begin - data;
                 let (mut done, mut words) = (begin, 0);
                 if !self.all_apart {
-                    (done, words) = self.data_banks.read(self.taps.addresses(tap), begin);
+                    (done, words) = self.taps.with_addresses(tap, |addresses| self.data_banks.read(addresses, begin));
                 }
                 counts.data_words += words;
                 counts.data_conflict_clocks += done - begin;
@@ -126,14 +126,14 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
             let data = frees[number] - 1;
             let waited = data - door.max(before);
             counts.data_stall_fill += waited;
-            planes[usize::from(self.taps.plane(tap))].stall_wait_read += waited;
+            planes[self.taps.plane(tap)].stall_wait_read += waited;
             misses.read(missed, data);
         }
         self.data_free = free;
     }
 
     /// All taps, and their runs, in which slots are noted.
-    pub(super) fn pass_runs(mut self, Runs { runs, counts, .. }: Runs<'_>) {
+    pub(super) fn pass_runs(mut self, Runs { runs, taps: TapsOfRuns { counts, .. }, .. }: Runs<'_>) {
         let (mut begin, number, mut at, mut conflicts) = (0, self.taps.number(), 0, 0);
         // Of a tap of one run the next run is looked at too, so that the last run of all is left to taps that are not plain.
         let seconds = runs.get(1..).unwrap_or_default();
@@ -144,7 +144,7 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
             let plane_of = self.taps.planes_before(end);
             begin = self.pass_block(begin..end, |unit, tap, tag| {
                 let count = counts[tap];
-                let plane = usize::from(plane_of(tap));
+                let plane = plane_of(tap);
                 if at < firsts.len() && matches!(count, 1 | 2) {
                     let [first, second] = [firsts[at].noted(), seconds[at].noted()];
                     // A tap of one line has no clash.
@@ -159,8 +159,8 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
                     return None;
                 }
                 let first = at;
-                at += usize::from(count & !Runs::REPEATED);
-                Some(unit.pass_runs(tap, plane, tag, &runs[first..at], count & Runs::REPEATED != 0))
+                at += usize::from(count & !TapsOfRuns::REPEATED);
+                Some(unit.pass_runs(tap, plane, tag, &runs[first..at], count & TapsOfRuns::REPEATED != 0))
             });
         }
         self.tag_unit.spent += conflicts;
@@ -177,7 +177,7 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
                 if !unit.misses.have_room() {
                     return None;
                 }
-                unit.enter(tap, taps.plane(tap).into(), tag);
+                unit.enter(tap, taps.plane(tap), tag);
                 while let Some(access) = accesses.next_if(|access| access.tap as usize == tap) {
                     if access.hit {
                         unit.hit(access.line, access.slot);

@@ -124,11 +124,11 @@ impl Pipeline {
             let end = end as usize;
             let (mut issue, mut data, mut datapath) = (0, 0, 0);
             for tap in number..end {
-                let (plane, addresses) = (taps.plane(tap), taps.addresses(tap));
-                if usize::from(plane) >= planes.len() {
-                    planes.resize(usize::from(plane) + 1, PlaneTiming::default());
+                let plane = taps.plane(tap);
+                if plane >= planes.len() {
+                    planes.resize(plane + 1, PlaneTiming::default());
                 }
-                let row = &mut planes[usize::from(plane)];
+                let row = &mut planes[plane];
 
                 // Sequencer and address unit.
                 let room = pipe.tap_fifo.room();
@@ -169,7 +169,7 @@ impl Pipeline {
                         missed += 1;
                         let fill = FillTimes {
                             tap: pipe.counts.taps,
-                            plane,
+                            plane: plane as u16,
                             address: access.line << line_shift,
                             access: clock,
                             fetch: miss.fetch,
@@ -204,7 +204,10 @@ impl Pipeline {
                     }
                     misses.read(missed, data);
                 }
-                let (data_done, words) = pipe.data_banks.read(addresses, data + writes);
+                let (data_done, words) = taps.with_addresses(tap, |addresses| {
+                    row.reads += addresses.len() as u64;
+                    pipe.data_banks.read(addresses, data + writes)
+                });
                 pipe.counts.data_words += words;
                 pipe.data.count(data_done);
                 pipe.ledgers.data.work_through(data_done);
@@ -214,13 +217,12 @@ impl Pipeline {
                 pipe.counts.fill_write_clocks += writes;
                 pipe.counts.data_conflict_clocks += data_done - data - writes;
                 row.taps += 1;
-                row.reads += addresses.len() as u64;
                 row.fetches_ok += made - missed as u64;
                 row.stall_wait_read += waited;
                 observer.tap(TapTimes {
                     tap: pipe.counts.taps,
                     request: pipe.counts.requests,
-                    plane,
+                    plane: plane as u16,
                     issue,
                     tag,
                     tag_done,

@@ -3,9 +3,8 @@
 use alloc::vec::Vec;
 
 use crate::{
-    address::Footprint,
-    batch::{Batch, PlanePairs},
-    cache::Runs,
+    address_stream::{AddressBatch, Places},
+    cache::{Runs, TapsOfRuns},
 };
 
 /// Taps to be timed, by number.
@@ -13,23 +12,23 @@ pub(super) trait Taps {
     /// How many.
     fn number(&self) -> usize;
     /// Storage index of the plane.
-    fn plane(&self, tap: usize) -> u16;
+    fn plane(&self, tap: usize) -> usize;
     /// Those of taps before this one, for a loop.
-    fn planes_before(&self, end: usize) -> impl Fn(usize) -> u16;
-    /// The addresses it reads, in order.
-    fn addresses(&self, tap: usize) -> &[u64];
+    fn planes_before(&self, end: usize) -> impl Fn(usize) -> usize;
+    /// Calls `see` with the addresses it reads, in order.
+    fn with_addresses<R>(&self, tap: usize, see: impl FnOnce(&[u64]) -> R) -> R;
     /// How many all taps read.
     fn reads(&self) -> u64;
     /// Tells of which planes taps are, as [`PlanePairs`] does or one by one; last, how much each of them reads.
-    fn count_planes(&self, add: impl FnMut(&[u16], u64, u64));
+    fn count_planes(&self, add: impl FnMut(&[u32], u64, u64));
     /// Whether the words of each tap are known to be in as many data banks as they are.
     fn all_apart(&self) -> bool;
 }
 
-/// Taps whose addresses are those of their footprints.
+/// Taps whose addresses are where the unit made them.
 pub(super) struct InPlace<'a> {
-    taps: &'a [Footprint],
-    pairs: &'a PlanePairs,
+    places: Places<'a>,
+    of_runs: TapsOfRuns<'a>,
     /// Addresses of one that count.
     texels: usize,
     /// See [`Taps::all_apart`].
@@ -38,39 +37,39 @@ pub(super) struct InPlace<'a> {
 
 impl<'a> InPlace<'a> {
     /// Those of a batch with these runs.
-    pub(super) const fn new(batch: Batch<'a>, runs: Runs<'a>, all_apart: bool) -> Self {
-        Self { taps: batch.taps, pairs: runs.pairs, texels: batch.texels_per_tap, all_apart }
+    pub(super) const fn new(batch: AddressBatch<'a>, runs: Runs<'a>, all_apart: bool) -> Self {
+        Self { places: batch.taps, of_runs: runs.taps, texels: batch.texels_per_tap, all_apart }
     }
 }
 
 impl Taps for InPlace<'_> {
     fn number(&self) -> usize {
-        self.taps.len()
+        self.places.len()
     }
 
     #[inline(always)]
-    fn plane(&self, tap: usize) -> u16 {
-        self.taps[tap].plane
+    fn plane(&self, tap: usize) -> usize {
+        self.of_runs.planes[tap] as usize
     }
 
     #[inline(always)]
-    fn planes_before(&self, end: usize) -> impl Fn(usize) -> u16 {
-        let taps = &self.taps[..end];
-        |tap| taps[tap].plane
+    fn planes_before(&self, end: usize) -> impl Fn(usize) -> usize {
+        let planes = &self.of_runs.planes[..end];
+        |tap| planes[tap] as usize
     }
 
     #[inline(always)]
-    fn addresses(&self, tap: usize) -> &[u64] {
-        &self.taps[tap].address[..self.texels]
+    fn with_addresses<R>(&self, tap: usize, see: impl FnOnce(&[u64]) -> R) -> R {
+        see(&self.places.addresses(tap)[..self.texels])
     }
 
     fn reads(&self) -> u64 {
-        (self.taps.len() * self.texels) as u64
+        (self.number() * self.texels) as u64
     }
 
     #[inline(always)]
-    fn count_planes(&self, mut add: impl FnMut(&[u16], u64, u64)) {
-        self.pairs.for_each(|planes, times| add(planes, times, self.texels as u64));
+    fn count_planes(&self, mut add: impl FnMut(&[u32], u64, u64)) {
+        self.of_runs.pairs.for_each(|planes, times| add(planes, times, self.texels as u64));
     }
 
     fn all_apart(&self) -> bool {
@@ -83,7 +82,7 @@ impl Taps for InPlace<'_> {
 pub(super) struct Gathered {
     addresses: Vec<u64>,
     /// Plane of each tap, and where its addresses begin.
-    taps: Vec<(u16, usize)>,
+    taps: Vec<(u32, usize)>,
 }
 
 impl Gathered {
@@ -92,18 +91,21 @@ impl Gathered {
         self.taps.clear();
     }
 
-    /// The next reads are those of a tap on this plane.
-    pub(super) fn tap(&mut self, plane: u16) {
-        self.taps.push((plane, self.addresses.len()));
+    /// Adds a tap on this plane.
+    pub(super) fn tap(&mut self, plane: usize, reads: &[u64]) {
+        self.taps.push((plane as u32, self.addresses.len()));
+        self.addresses.extend_from_slice(reads);
     }
 
-    pub(super) fn read(&mut self, address: u64) {
-        self.addresses.push(address);
+    /// The addresses a tap reads.
+    pub(super) fn addresses(&self, tap: usize) -> &[u64] {
+        let end = self.taps.get(tap + 1).map_or(self.addresses.len(), |&(_, begin)| begin);
+        &self.addresses[self.taps[tap].1..end]
     }
 
     /// More than the storage index of any plane.
     pub(super) fn planes(&self) -> usize {
-        self.taps.iter().map(|&(plane, _)| usize::from(plane) + 1).max().unwrap_or(0)
+        self.taps.iter().map(|&(plane, _)| plane as usize + 1).max().unwrap_or(0)
     }
 }
 
@@ -112,27 +114,26 @@ impl Taps for Gathered {
         self.taps.len()
     }
 
-    fn plane(&self, tap: usize) -> u16 {
-        self.taps[tap].0
+    fn plane(&self, tap: usize) -> usize {
+        self.taps[tap].0 as usize
     }
 
-    fn planes_before(&self, end: usize) -> impl Fn(usize) -> u16 {
+    fn planes_before(&self, end: usize) -> impl Fn(usize) -> usize {
         let taps = &self.taps[..end];
-        |tap| taps[tap].0
+        |tap| taps[tap].0 as usize
     }
 
-    fn addresses(&self, tap: usize) -> &[u64] {
-        let end = self.taps.get(tap + 1).map_or(self.addresses.len(), |&(_, begin)| begin);
-        &self.addresses[self.taps[tap].1..end]
+    fn with_addresses<R>(&self, tap: usize, see: impl FnOnce(&[u64]) -> R) -> R {
+        see(self.addresses(tap))
     }
 
     fn reads(&self) -> u64 {
         self.addresses.len() as u64
     }
 
-    fn count_planes(&self, mut add: impl FnMut(&[u16], u64, u64)) {
+    fn count_planes(&self, mut add: impl FnMut(&[u32], u64, u64)) {
         for tap in 0..self.taps.len() {
-            add(&[self.plane(tap)], 1, self.addresses(tap).len() as u64);
+            add(&[self.taps[tap].0], 1, self.addresses(tap).len() as u64);
         }
     }
 

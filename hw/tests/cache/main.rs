@@ -133,7 +133,7 @@ proptest! {
             let each = requests[0].len();
             let ends: Vec<u32> = (1..=requests.len()).map(|request| (request * each) as u32).collect();
             let divided = if as_ends { Requests::Ends(&ends) } else { Requests::Each(each) };
-            batched.take(Batch { taps: &taps, requests: divided, texels_per_tap: texels, surface: &surface });
+            batched.take(Batch { taps: &taps, requests: divided, texels_per_tap: texels, surface: &surface }.into());
         }
         prop_assert_eq!(batched.counters(), one_by_one.counters());
         let (mut found, mut expected) = (batched.planes(), one_by_one.planes());

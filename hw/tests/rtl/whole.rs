@@ -1,7 +1,8 @@
 //! Traces of the whole unit: requests in, texels and levels out, hits and misses on the way, and the clock of every answer.
 
 use texunit_hw::{
-    AddressMode, Batch, Filter, I12F20, LevelRounding, LodSource, Request, Response, Sampler, Sink, Surface, Unit,
+    AddressBatch, AddressMode, Filter, I12F20, LevelRounding, LodSource, Request, Response, Sampler, Sink, Surface,
+    Unit,
     address::{Footprint, is_outside},
     cache::{Detail, Geometry, Policy, TexelCache},
     timing::{MainMemory, MemoryParameters, Parameters, Timing},
@@ -14,18 +15,25 @@ use crate::{
     vectors::{FILTERS, LEVEL_ROUNDINGS, MODES, code, surface_of},
 };
 
-/// Keeps every tap.
+/// The taps of a request.
+pub fn footprints(unit: &mut Unit<'_>, request: Request) -> Vec<Footprint> {
+    let mut taps = Vec::new();
+    unit.inspect(&[request], &mut |batch, _| taps.extend_from_slice(batch.taps));
+    taps
+}
+
+/// Keeps where the texels of every tap are.
 #[derive(Default)]
-pub struct Taps {
-    /// In order of issue.
-    pub taps: Vec<Footprint>,
+struct Taps {
+    /// In order of issue: plane and addresses.
+    taps: Vec<(usize, [u64; 4])>,
     /// 1 or 4.
-    pub texels_per_tap: usize,
+    texels_per_tap: usize,
 }
 
 impl Sink for Taps {
-    fn take(&mut self, batch: Batch<'_>) {
-        self.taps.extend_from_slice(batch.taps);
+    fn take(&mut self, batch: AddressBatch<'_>) {
+        self.taps.extend((0..batch.taps()).map(|number| batch.tap(number)));
         self.texels_per_tap = batch.texels_per_tap;
     }
 }
@@ -222,8 +230,8 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Ma
             let (mut accesses, mut hits) = (0, 0);
             clocks.request();
             let mut texels: Vec<(usize, Option<u64>)> = Vec::new();
-            for tap in &seen.taps {
-                for &address in &tap.address[..seen.texels_per_tap] {
+            for (plane, addresses) in &seen.taps {
+                for &address in &addresses[..seen.texels_per_tap] {
                     let outside = is_outside(address);
                     let hit = outside || lines.touch(address / LINE);
                     if !outside {
@@ -231,7 +239,7 @@ pub fn unit(base: &Sampler, sets: u64, ways: usize, textures: usize, machine: Ma
                         accesses += 1;
                     }
                     clocks.texel(!hit);
-                    texels.push((tap.plane.into(), (!outside).then_some(address)));
+                    texels.push((*plane, (!outside).then_some(address)));
                 }
             }
             timing.request(texels.iter().map(|(plane, address)| (*plane, address.as_slice())));

@@ -135,7 +135,7 @@ fn in_batches<O: TimingObserver>(
         }
         let each = requests[0].len();
         let requests = if alike && each > 0 { Requests::Each(each) } else { Requests::Ends(&ends) };
-        timing.take(Batch { taps: &taps, requests, texels_per_tap: 4, surface: &surface });
+        timing.take(Batch { taps: &taps, requests, texels_per_tap: 4, surface: &surface }.into());
     }
     assert_eq!(timing.counters(), *expected, "batches");
     assert_eq!(*timing.histograms(), histograms(requests), "batches");

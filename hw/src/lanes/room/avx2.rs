@@ -20,20 +20,17 @@ impl Avx2 {
         avx2::get().then_some(Self(()))
     }
 
-    /// For whoever has proof of more.
-    pub(super) const fn implied() -> Self {
-        Self(())
+    /// The 128 bits with this number.
+    #[inline(always)]
+    pub(in crate::lanes) fn part(self, a: __m256i, number: usize) -> __m128i {
+        // SAFETY: `self` proves the instructions.
+        unsafe { if number == 0 { _mm256_castsi256_si128(a) } else { _mm256_extracti128_si256::<1>(a) } }
     }
 }
 
 impl Machine for Avx2 {
     type Words = __m256i;
     const LANES: usize = 8;
-
-    #[inline(always)]
-    fn eight(self) -> Self {
-        self
-    }
 
     #[inline(always)]
     fn splat(self, value: i32) -> __m256i {
@@ -236,12 +233,6 @@ impl Machine for Avx2 {
     }
 
     #[inline(always)]
-    fn part(self, a: __m256i, number: usize) -> __m128i {
-        // SAFETY: `self` proves the instructions.
-        unsafe { if number == 0 { _mm256_castsi256_si128(a) } else { _mm256_extracti128_si256::<1>(a) } }
-    }
-
-    #[inline(always)]
     fn each(self, a: __m256i, f: impl Fn(i32) -> i32) -> __m256i {
         let mut lanes = [0; Self::LANES];
         let to = lanes.as_mut_ptr();
@@ -295,6 +286,22 @@ impl Machine for Avx2 {
     fn heads(self, requests: &[Request], first: usize) -> __m256i {
         // SAFETY: `self` proves the instruction.
         unsafe { _mm256_set_m128i(load_head(&requests[first + 4]), load_head(&requests[first])) }
+    }
+
+    #[inline(always)]
+    fn interleaved(self, a: __m256i, b: __m256i) -> [__m256i; 2] {
+        // SAFETY: `self` proves the instructions.
+        unsafe {
+            let (low, high) = (_mm256_unpacklo_epi32(a, b), _mm256_unpackhi_epi32(a, b));
+            [_mm256_permute2x128_si256::<0x20>(low, high), _mm256_permute2x128_si256::<0x31>(low, high)]
+        }
+    }
+
+    #[inline(always)]
+    fn store(self, words: __m256i, to: &mut [u32]) {
+        let to = &mut to[..Self::LANES];
+        // SAFETY: `self` proves the instruction; 32 bytes of a slice of as many; the store needs no alignment.
+        unsafe { _mm256_storeu_si256(to.as_mut_ptr().cast(), words) }
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::*;
 
-use super::{Avx2, Table, Texels, load_head};
+use super::{Table, Texels, load_head};
 use crate::{
     lanes::machine::Machine,
     request::{Request, Response},
@@ -24,11 +24,6 @@ impl Avx512 {
 impl Machine for Avx512 {
     type Words = __m512i;
     const LANES: usize = 16;
-
-    #[inline(always)]
-    fn eight(self) -> Avx2 {
-        Avx2::implied()
-    }
 
     #[inline(always)]
     fn splat(self, value: i32) -> __m512i {
@@ -230,19 +225,6 @@ impl Machine for Avx512 {
     }
 
     #[inline(always)]
-    fn part(self, a: __m512i, number: usize) -> __m128i {
-        // SAFETY: `self` proves the instructions.
-        unsafe {
-            match number {
-                0 => _mm512_castsi512_si128(a),
-                1 => _mm512_extracti32x4_epi32::<1>(a),
-                2 => _mm512_extracti32x4_epi32::<2>(a),
-                _ => _mm512_extracti32x4_epi32::<3>(a),
-            }
-        }
-    }
-
-    #[inline(always)]
     fn each(self, a: __m512i, f: impl Fn(i32) -> i32) -> __m512i {
         let mut lanes = [0i32; Self::LANES];
         // SAFETY: `self` proves the instructions; the array is as large as the register, and neither access needs alignment.
@@ -300,6 +282,23 @@ impl Machine for Avx512 {
             let heads = _mm512_inserti32x4::<2>(heads, load_head(&requests[first + 8]));
             _mm512_inserti32x4::<3>(heads, load_head(&requests[first + 12]))
         }
+    }
+
+    #[inline(always)]
+    fn interleaved(self, a: __m512i, b: __m512i) -> [__m512i; 2] {
+        // SAFETY: `self` proves the instructions.
+        unsafe {
+            let first = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let second = _mm512_add_epi32(first, _mm512_set1_epi32(8));
+            [_mm512_permutex2var_epi32(a, first, b), _mm512_permutex2var_epi32(a, second, b)]
+        }
+    }
+
+    #[inline(always)]
+    fn store(self, words: __m512i, to: &mut [u32]) {
+        let to = &mut to[..Self::LANES];
+        // SAFETY: `self` proves the instruction; 64 bytes of a slice of as many; the store needs no alignment.
+        unsafe { _mm512_storeu_si512(to.as_mut_ptr().cast(), words) }
     }
 
     #[inline(always)]

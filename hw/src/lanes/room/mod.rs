@@ -20,6 +20,7 @@ use super::{
 };
 use crate::{
     address::Footprint,
+    address_stream::{Places, TapRows},
     cache::Run,
     datapath::Texel,
     request::{Request, Response},
@@ -36,25 +37,27 @@ macro_rules! compiled_for {
     ($machine:ident, $features:literal) => {
         impl $machine {
             /// [`Kernel::run`] in code compiled for this machine.
-            pub(super) fn run<const ANSWER: bool, const WRITE: bool>(
+            pub(super) fn run(
                 self,
                 kernel: &Kernel<'_>,
                 requests: &[Request],
-                responses: &mut [Response],
-                footprints: &mut [Footprint],
+                responses: Option<&mut [Response]>,
+                rows: Option<&mut TapRows>,
+                first: usize,
             ) {
                 #[target_feature(enable = $features)]
-                fn compiled<const ANSWER: bool, const WRITE: bool>(
+                fn compiled(
                     m: $machine,
                     kernel: &Kernel<'_>,
                     requests: &[Request],
-                    responses: &mut [Response],
-                    footprints: &mut [Footprint],
+                    responses: Option<&mut [Response]>,
+                    rows: Option<&mut TapRows>,
+                    first: usize,
                 ) {
-                    kernel.run::<$machine, ANSWER, WRITE>(m, requests, responses, footprints);
+                    kernel.run(m, requests, responses, rows, first);
                 }
                 // SAFETY: it is unsafe to call only where one of these is missing, and `self` is the proof that none is.
-                unsafe { compiled::<ANSWER, WRITE>(self, kernel, requests, responses, footprints) }
+                unsafe { compiled(self, kernel, requests, responses, rows, first) }
             }
         }
     };
@@ -82,8 +85,8 @@ impl Avx2 {
     #[inline(always)]
     pub(super) fn write_runs(
         self,
-        taps: &[[Footprint; LANES]],
-        first: u32,
+        taps: Places<'_>,
+        first: usize,
         shape: RunShape,
         runs: &mut [Run],
         counts: &mut [[u8; LANES]],
@@ -108,9 +111,14 @@ impl Avx2 {
 
     /// [`banks::look`] in code compiled for AVX2.
     #[inline(always)]
-    pub(super) fn look_at_banks(self, taps: &[Footprint; LANES], banks: [Banks; 2]) -> Option<(bool, [u8; LANES])> {
+    pub(super) fn look_at_banks(
+        self,
+        taps: Places<'_>,
+        eight: usize,
+        banks: [Banks; 2],
+    ) -> Option<(bool, [u8; LANES])> {
         // SAFETY: as above.
-        unsafe { banks::look(self, taps, banks) }
+        unsafe { banks::look(self, taps, eight, banks) }
     }
 }
 
@@ -184,7 +192,7 @@ impl<'m> Texels<'m> {
 
 // Loads and stores below, and those of the machines, take these as words.
 const _: () = assert!(offset_of!(Request, u) == 0 && offset_of!(Request, v) == 4 && offset_of!(Request, scale) == 8);
-const _: () = assert!(size_of::<Response>() == 8 && size_of::<Footprint>() == 48);
+const _: () = assert!(size_of::<Response>() == 8);
 const _: () = assert!(size_of::<Run>() == 16);
 
 /// Asks for what is so many bytes after this, as many bytes as this has: a hint, of nothing that need exist.
@@ -210,18 +218,6 @@ impl Avx2 {
     pub(super) fn load_addresses(self, footprint: &Footprint) -> __m256i {
         // SAFETY: `self` proves the instruction; 32 bytes of an array of four words of 64 bits; the load needs no alignment.
         unsafe { _mm256_loadu_si256(footprint.address.as_ptr().cast()) }
-    }
-
-    /// Fills one footprint: the four addresses, and the 16 bytes after them.
-    #[inline(always)]
-    pub(super) fn store_footprint(self, footprint: &mut Footprint, addresses: __m256i, rest: __m128i) {
-        let to: *mut __m256i = core::ptr::from_mut(footprint).cast();
-        // SAFETY: `self` proves the instructions. A footprint is the 48 bytes of these two stores, which need no alignment, and any bits are a
-        // footprint: `repr(C)`, integers only, padding in the last four bytes.
-        unsafe {
-            _mm256_storeu_si256(to, addresses);
-            _mm_storeu_si128(to.add(1).cast(), rest);
-        }
     }
 
     /// The words at some indices; an index past the end reads the last word.
@@ -285,12 +281,5 @@ impl Avx2 {
             _mm256_storeu_si256(to, low);
             _mm256_storeu_si256(to.add(1), high);
         }
-    }
-
-    /// Four words as words of 64 bits.
-    #[inline(always)]
-    pub(super) fn widen(self, words: __m128i) -> __m256i {
-        // SAFETY: `self` proves the instruction.
-        unsafe { _mm256_cvtepu32_epi64(words) }
     }
 }

@@ -8,7 +8,7 @@ use texunit_hw::{
 use super::{FILTERS, MODES, surface_of};
 use crate::{
     trace::{Random, Trace},
-    whole::Taps,
+    whole::footprints,
 };
 
 /// What lerp.sv answers: exact, eight bits longer, or rounded to 8 bits.
@@ -72,14 +72,14 @@ pub fn datapath(filter_bits: u8, rounding: Rounding) -> Trace {
         for _ in 0..10 {
             let [u, v] = [0; 2].map(|_| I12F20::from_bits(random.below(3 << 20) as i32 - (1 << 20)));
             let request = Request { scale: [0; 2].map(|_| random.below(0x400) as u32), ..Request::at(u, v) };
-            let mut seen = Taps::default();
+            let taps = footprints(&mut unit, request);
             let mut response = [Response::default()];
-            unit.run(&[request], &mut response, &mut seen);
+            unit.run(&[request], &mut response, &mut ());
             let point = filter == Filter::Point;
             let mut line = random.pauses().to_vec();
-            line.extend([seen.taps.len() as u64, point.into()]);
+            line.extend([taps.len() as u64, point.into()]);
             for tap in 0..2 {
-                let Some(tap) = seen.taps.get(tap) else {
+                let Some(tap) = taps.get(tap) else {
                     line.extend([0; 7]);
                     continue;
                 };

@@ -9,7 +9,7 @@ use texunit_hw::{
 use super::{FILTERS, LEVEL_ROUNDINGS, code, surface_of};
 use crate::{
     trace::{Random, Trace},
-    whole::Taps,
+    whole::footprints,
 };
 
 /// Wraps a signed number into `bits`.
@@ -132,9 +132,9 @@ pub fn taps() -> Trace {
         for _ in 0..10 {
             let scale = [0; 2].map(|_| random.pick(&[0, 1, 127, 128, 129, 255, 256, random.0 as u32 & 0xfff]));
             let request = Request { scale, ..Request::default() };
-            let mut seen = Taps::default();
+            let taps = footprints(&mut unit, request);
             let mut response = [Response::default()];
-            unit.run(&[request], &mut response, &mut seen);
+            unit.run(&[request], &mut response, &mut ());
             let ranges = lasts.map(|last| LevelRange::new(&sampler, last));
             let raw = scale.map(u32::cast_signed);
             let shift = 8 - weight_bits(filter);
@@ -147,11 +147,10 @@ pub fn taps() -> Trace {
                 ranges[0].whole(raw[0], level_rounding) as u64,
                 ranges[0].clamp(raw[0]) as u64 >> 8,
                 ranges[1].clamp(raw[1]) as u64 >> 8,
-                seen.taps.len() as u64,
+                taps.len() as u64,
             ]);
             for tap in 0..2 {
-                let (plane, weight) =
-                    seen.taps.get(tap).map_or((0, 0), |tap| (tap.plane, u64::from(tap.weight) << shift));
+                let (plane, weight) = taps.get(tap).map_or((0, 0), |tap| (tap.plane, u64::from(tap.weight) << shift));
                 line.extend([plane.into(), weight]);
             }
             line.extend(response[0].lod.map(u64::from));
