@@ -124,6 +124,8 @@ impl<'m> Kernel<'m> {
         for requests in requests.chunks(STAGE * M::LANES) {
             let stage = &mut stage[..requests.len() / M::LANES];
             for (requests, made) in requests.chunks_exact(M::LANES).zip(&mut *stage) {
+                // The other half is asked for by the next loop: a host waits for no more than so much at a time.
+                ask_ahead(&requests[..M::LANES / 2], AHEAD);
                 self.make::<M, FILTER, TAPS>(m, requests, made);
             }
             if let Some(rows) = &mut rows {
@@ -136,7 +138,8 @@ impl<'m> Kernel<'m> {
                 }
             }
             if let Some(responses) = &mut responses {
-                for (made, responses) in stage.iter().zip(responses) {
+                for ((made, requests), responses) in stage.iter().zip(requests.chunks_exact(M::LANES)).zip(responses) {
+                    ask_ahead(&requests[M::LANES / 2..], AHEAD);
                     m.respond(responses, self.filter::<M, FILTER, TAPS>(m, made), made.levels.lod);
                 }
             }
@@ -151,7 +154,6 @@ impl<'m> Kernel<'m> {
         requests: &[Request],
         made: &mut Made<M, TAPS>,
     ) {
-        ask_ahead(requests, AHEAD);
         let heads = [m.heads(requests, 0), m.heads(requests, 1), m.heads(requests, 2), m.heads(requests, 3)];
         let [u, v, scale_u, scale_v] = transposed(m, heads);
         let (at, scale) = ([u, v], [scale_u, scale_v]);
