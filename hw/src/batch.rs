@@ -43,11 +43,14 @@ impl Requests<'_> {
         }
     }
 
-    /// Where those of all end, of so many taps in all.
+    /// Where those of all end that have taps, of so many taps in all; one that ends at 0 is among them if it comes first.
     pub(crate) fn ends_into(self, taps: usize, to: &mut Vec<u32>) {
         match self {
             Self::Each(of_each) => to.extend((1..=taps / of_each).map(|number| (number * of_each) as u32)),
-            Self::Ends(ends) => to.extend_from_slice(ends),
+            Self::Ends(ends) => {
+                to.extend_from_slice(ends);
+                to.dedup();
+            }
         }
     }
 

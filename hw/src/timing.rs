@@ -211,7 +211,6 @@ impl<O: TimingObserver> Timing<O> {
         let (line_write, line_shift) = (*line_write, *line_shift);
         let beside = Beside { parameters, line_write, line_shift, misses, planes, histograms, observer };
         // Requests without taps are in nobody's way.
-        self.ends.dedup();
         let ends = if self.ends.first() == Some(&0) { &self.ends[1..] } else { &self.ends };
         (pipe, &mut self.cache, &mut self.reads, ends, beside)
     }

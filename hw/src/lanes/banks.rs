@@ -28,35 +28,46 @@ impl BankLanes {
         Avx2::detect().filter(|_| suits).map(|machine| Self { machine, words: banks(words), lines: banks(lines) })
     }
 
-    /// Whether the four words of each of the eight taps of this number are in four banks; and of each tap, 1 if its first and its last texel are in two
-    /// lines of one bank. Nothing if an address is beyond 32 bits or outside.
+    /// Looks at taps, eight by eight from the eight numbered `first`, up to one with an address beyond 32 bits or outside: how many eights, and whether the
+    /// four words of each tap are in four banks. Of each tap is written 1 if its first and its last texel are in two lines of one bank.
     ///
     /// # Panics
-    /// If there are fewer taps.
+    /// If there is not a place for each tap.
     #[inline(always)]
-    pub(crate) fn look(self, taps: Places<'_>, eight: usize) -> Option<(bool, [u8; LANES])> {
-        self.machine.look_at_banks(taps, eight, [self.words, self.lines])
+    pub(crate) fn look(self, taps: Places<'_>, first: usize, clashes: &mut [u8]) -> (usize, bool) {
+        self.machine.look_at_banks(taps, first, [self.words, self.lines], clashes.as_chunks_mut().0)
     }
 }
 
 /// [`BankLanes::look`].
 #[target_feature(enable = "avx2")]
-pub(super) fn look(m: Avx2, taps: Places<'_>, eight: usize, [words, lines]: [Banks; 2]) -> Option<(bool, [u8; LANES])> {
-    let corners = low_words(m, taps, eight)?;
+pub(super) fn look(
+    m: Avx2,
+    taps: Places<'_>,
+    first: usize,
+    [words, lines]: [Banks; 2],
+    clashes: &mut [[u8; LANES]],
+) -> (usize, bool) {
     let splat = |word: u32| _mm256_set1_epi32(word as i32);
     let number = |corner, of: Banks| _mm256_srl_epi32(corner, _mm_cvtsi32_si128(of.shift as i32));
     let bank = |corner| _mm256_sllv_epi32(splat(1), _mm256_and_si256(number(corner, words), splat(words.mask)));
-    let [a, b, c, d] = corners.map(bank);
-    // Different powers of two have the same sum as union, and no others do: of two equal ones the sum is larger.
-    let sum = _mm256_add_epi32(_mm256_add_epi32(a, b), _mm256_add_epi32(c, d));
-    let union = _mm256_or_si256(_mm256_or_si256(a, b), _mm256_or_si256(c, d));
-    let lanes = |x| _mm256_movemask_ps(_mm256_castsi256_ps(x)) as u32;
-    let apart = lanes(_mm256_cmpeq_epi32(sum, union)) == 0xFF;
-
-    let difference = _mm256_xor_si256(number(corners[0], lines), number(corners[3], lines));
     let none = |x| _mm256_cmpeq_epi32(x, splat(0));
-    let clash = _mm256_andnot_si256(none(difference), none(_mm256_and_si256(difference, splat(lines.mask))));
-    Some((apart, bytes(lanes(clash)).to_le_bytes()))
+    let mut apart = splat(u32::MAX);
+    let eights = taps.len() / LANES - first;
+    let mut seen = 0;
+    for clashes in &mut clashes[..eights] {
+        let Some([a, b, c, d]) = low_words(m, taps, first + seen) else { break };
+        let difference = _mm256_xor_si256(number(a, lines), number(d, lines));
+        let clash = _mm256_andnot_si256(none(difference), none(_mm256_and_si256(difference, splat(lines.mask))));
+        *clashes = bytes(_mm256_movemask_ps(_mm256_castsi256_ps(clash)) as u32).to_le_bytes();
+        // Different powers of two have the same sum as union, and no others do: of two equal ones the sum is larger.
+        let [a, b, c, d] = [bank(a), bank(b), bank(c), bank(d)];
+        let sum = _mm256_add_epi32(_mm256_add_epi32(a, b), _mm256_add_epi32(c, d));
+        let union = _mm256_or_si256(_mm256_or_si256(a, b), _mm256_or_si256(c, d));
+        apart = _mm256_and_si256(apart, _mm256_cmpeq_epi32(sum, union));
+        seen += 1;
+    }
+    (seen, _mm256_movemask_epi8(apart) == -1)
 }
 
 /// A byte for each of eight bits, the lowest first.

@@ -105,7 +105,7 @@ impl BankLanes {
         None
     }
 
-    pub(crate) fn look(self, _: Places<'_>, _: usize) -> Option<(bool, [u8; 8])> {
+    pub(crate) fn look(self, _: Places<'_>, _: usize, _: &mut [u8]) -> (usize, bool) {
         match self.0 {}
     }
 }

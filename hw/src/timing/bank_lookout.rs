@@ -1,7 +1,6 @@
 //! Which banks the taps of a batch read, seen before any of them is looked up: eight at a time where the host can.
 
 use alloc::vec::Vec;
-use core::ops::Range;
 
 use super::{
     banks::{BankHash, BankOf},
@@ -45,36 +44,29 @@ impl BankLookout {
 
     /// Looks at the taps of a batch.
     pub(super) fn look(&mut self, batch: AddressBatch<'_>) -> Seen {
-        let Self { tag_bank, line_shift, clashes, .. } = self;
         let (taps, texels) = (batch.taps(), batch.texels_per_tap);
-        let clash = |tap: usize| {
-            let addresses = batch.taps.addresses(tap);
-            let [first, last] = [0, texels - 1].map(|texel| addresses[texel] >> *line_shift);
-            u8::from(first != last && tag_bank.bank(first) == tag_bank.bank(last))
-        };
-        clashes.clear();
-        clashes.reserve(taps);
-        let (mut outside, mut all_apart) = (false, true);
-        let mut one_by_one = |taps: Range<usize>, clashes: &mut Vec<u8>| {
-            outside |= batch.any_outside(taps.clone());
-            clashes.extend(taps.map(clash));
-        };
-        let mut seen = 0;
-        if let Some(lanes) = self.lanes.filter(|_| texels == 4) {
-            seen = taps - taps % LANES;
-            for eight in 0..taps / LANES {
-                if let Some((apart, of_eight)) = lanes.look(batch.taps, eight) {
-                    // Addresses of 32 bits are inside.
-                    all_apart &= apart;
-                    clashes.extend_from_slice(&of_eight);
-                } else {
-                    all_apart = false;
-                    one_by_one(eight * LANES..(eight + 1) * LANES, clashes);
-                }
+        let lanes = self.lanes.filter(|_| texels == 4);
+        self.clashes.resize(taps, 0);
+        let (mut number, mut outside, mut all_apart) = (0, false, lanes.is_some());
+        while number < taps {
+            let mut next = number;
+            if let Some(lanes) = lanes {
+                let (eights, apart) = lanes.look(batch.taps, number / LANES, &mut self.clashes[number..]);
+                next += eights * LANES;
+                all_apart &= apart;
+            }
+            // What lanes leave, eight at most; what they look at is inside.
+            number = taps.min(next + LANES);
+            all_apart &= next == number;
+            outside |= batch.any_outside(next..number);
+            for tap in next..number {
+                let addresses = batch.taps.addresses(tap);
+                let [first, last] = [0, texels - 1].map(|texel| addresses[texel] >> self.line_shift);
+                let clash = first != last && self.tag_bank.bank(first) == self.tag_bank.bank(last);
+                self.clashes[tap] = clash.into();
             }
         }
-        one_by_one(seen..taps, clashes);
-        Seen { outside, all_apart: texels == 1 || all_apart && seen == taps }
+        Seen { outside, all_apart: all_apart || texels == 1 }
     }
 
     /// By tap of the last batch, 1 if its first and its last texel are in two lines of one tag bank.

@@ -61,21 +61,48 @@ impl TapClocks {
 }
 
 impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
-    /// Taps pass the tag unit as `pass` says, until that says nothing, which is not before one has, and then the data unit. The answer is where those
-    /// begin that did not. `pass` is told of a tap when it enters the tag unit, and says in which clock it makes its last access there, and from which on it is
-    /// at the door of the data unit with all its lines there.
+    /// As many of these taps as can pass the tag unit, one after the other; where those begin that cannot, which is not at once. Their runs, in which slots
+    /// are noted, begin at `at`, and it is moved behind them.
     #[inline(always)]
-    fn pass_block(
-        &mut self,
-        taps: Range<usize>,
-        mut pass: impl FnMut(&mut TagUnit<'_, O>, usize, u64) -> Option<(u64, u64)>,
-    ) -> usize {
-        let rooms = &self.places[..taps.end];
-        let (tags, ready) = (&mut self.tags[..taps.end], &mut self.ready[..taps.end]);
-        let (mut tap, mut free) = (taps.start, self.tag_free);
-        while tap < taps.end {
-            let tag = free.max(rooms[tap]);
-            let Some((done, when)) = pass(&mut self.tag_unit, tap, tag) else { break };
+    fn pass_tags(&mut self, taps: Range<usize>, Runs { runs, taps: of_taps, .. }: Runs<'_>, at: &mut usize) -> usize {
+        let end = taps.end;
+        let (counts, planes, clashes) = (&of_taps.counts[..end], &of_taps.planes[..end], &self.clashes[..end]);
+        let (rooms, tags, ready) = (&self.places[..end], &mut self.tags[..end], &mut self.ready[..end]);
+        // Of a tap of one run the next run is looked at too, so that the last run of all is left to taps that are not plain.
+        let seconds = runs.get(1..).unwrap_or_default();
+        let firsts = &runs[..seconds.len()];
+        let (mut tap, mut run, mut free, mut conflicts) = (taps.start, *at, self.tag_free, 0);
+        loop {
+            let mut unit = self.tag_unit.plain();
+            while tap < end {
+                let count = counts[tap];
+                if run >= firsts.len() || !matches!(count, 1 | 2) {
+                    break;
+                }
+                let tag = free.max(rooms[tap]);
+                // A tap of one line has no clash.
+                let clash = u64::from(clashes[tap]);
+                let (done, slots) = (tag + clash, [firsts[run].noted(), seconds[run].noted()]);
+                if !unit.pass(slots, count, planes[tap] as usize, [tag, done]) {
+                    break;
+                }
+                run += usize::from(count);
+                conflicts += clash;
+                (tags[tap], ready[tap]) = (tag, done + unit.latency);
+                if O::WATCHES {
+                    unit.watched.tag_done.push(done);
+                }
+                free = done + 1;
+                tap += 1;
+            }
+            if tap == end || !self.tag_unit.misses.have_room() {
+                break;
+            }
+            let (tag, plane, count) = (free.max(rooms[tap]), planes[tap] as usize, counts[tap]);
+            let (runs, repeated) = (&runs[run..], count & TapsOfRuns::REPEATED != 0);
+            let count = usize::from(count & !TapsOfRuns::REPEATED);
+            let (done, when) = self.tag_unit.pass_runs(tap, plane, tag, &runs[..count], repeated);
+            run += count;
             (tags[tap], ready[tap]) = (tag, when);
             if O::WATCHES {
                 self.tag_unit.watched.tag_done.push(done);
@@ -83,8 +110,9 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
             free = done + 1;
             tap += 1;
         }
-        self.tag_free = free;
-        self.read(taps.start..tap);
+        (*at, self.tag_free) = (run, free);
+        self.tag_unit.spent += conflicts;
+        self.tag_unit.counts.tag_bank_conflicts += conflicts;
         tap
     }
 
@@ -133,51 +161,25 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
     }
 
     /// All taps, and their runs, in which slots are noted.
-    pub(super) fn pass_runs(mut self, Runs { runs, taps: TapsOfRuns { counts, .. }, .. }: Runs<'_>) {
-        let (mut begin, number, mut at, mut conflicts) = (0, self.taps.number(), 0, 0);
-        // Of a tap of one run the next run is looked at too, so that the last run of all is left to taps that are not plain.
-        let seconds = runs.get(1..).unwrap_or_default();
-        let firsts = &runs[..seconds.len()];
+    pub(super) fn pass_runs(mut self, runs: Runs<'_>) {
+        let (mut begin, number, mut at) = (0, self.taps.number(), 0);
         while begin < number {
-            let end = number.min(begin + self.depth);
-            let (counts, clashes) = (&counts[..end], &self.clashes[..end]);
-            let plane_of = self.taps.planes_before(end);
-            begin = self.pass_block(begin..end, |unit, tap, tag| {
-                let count = counts[tap];
-                let plane = plane_of(tap);
-                if at < firsts.len() && matches!(count, 1 | 2) {
-                    let [first, second] = [firsts[at].noted(), seconds[at].noted()];
-                    // A tap of one line has no clash.
-                    let clash = u64::from(clashes[tap]);
-                    if unit.pass_plain([first, second], count, plane, [tag, tag + clash]) {
-                        at += usize::from(count);
-                        conflicts += clash;
-                        return Some((tag + clash, tag + clash + unit.latency));
-                    }
-                }
-                if !unit.misses.have_room() {
-                    return None;
-                }
-                let first = at;
-                at += usize::from(count & !TapsOfRuns::REPEATED);
-                Some(unit.pass_runs(tap, plane, tag, &runs[first..at], count & TapsOfRuns::REPEATED != 0))
-            });
+            let tap = self.pass_tags(begin..number.min(begin + self.depth), runs, &mut at);
+            self.read(begin..tap);
+            begin = tap;
         }
-        self.tag_unit.spent += conflicts;
-        self.tag_unit.counts.tag_bank_conflicts += conflicts;
         self.finish();
     }
 
     /// All taps, and their line accesses.
     pub(super) fn pass(mut self, accesses: &[Access]) {
         let mut accesses = accesses.iter().peekable();
-        let (mut begin, number, taps) = (0, self.taps.number(), self.taps);
+        let (mut begin, number) = (0, self.taps.number());
         while begin < number {
-            begin = self.pass_block(begin..number.min(begin + self.depth), |unit, tap, tag| {
-                if !unit.misses.have_room() {
-                    return None;
-                }
-                unit.enter(tap, taps.plane(tap), tag);
+            let (mut tap, end) = (begin, number.min(begin + self.depth));
+            while tap < end && self.tag_unit.misses.have_room() {
+                let (tag, unit) = (self.tag_free.max(self.places[tap]), &mut self.tag_unit);
+                unit.enter(tap, self.taps.plane(tap), tag);
                 while let Some(access) = accesses.next_if(|access| access.tap as usize == tap) {
                     if access.hit {
                         unit.hit(access.line, access.slot);
@@ -185,8 +187,15 @@ impl<T: Taps, O: TimingObserver> Passing<'_, T, O> {
                         unit.miss(access.line, access.slot);
                     }
                 }
-                Some(unit.leave())
-            });
+                let (done, ready) = unit.leave();
+                (self.tags[tap], self.ready[tap], self.tag_free) = (tag, ready, done + 1);
+                if O::WATCHES {
+                    unit.watched.tag_done.push(done);
+                }
+                tap += 1;
+            }
+            self.read(begin..tap);
+            begin = tap;
         }
         self.finish();
     }

@@ -8,6 +8,7 @@ use super::{
     banks::BankOf,
     counters::PlaneTiming,
     events::{FillTimes, TimingObserver},
+    miss_status::StatusHits,
     misses::Misses,
     passing::Watched,
     pipeline::Counts,
@@ -62,19 +63,34 @@ pub(super) struct AtHand {
 const HIT: u64 = 1;
 pub(super) const MERGED: u64 = 1 << 32;
 
-impl<O: TimingObserver> TagUnit<'_, O> {
+/// Taps of one line or two, all there. What is needed for them is laid open for as long, so that a host can have it in registers.
+pub(super) struct PlainTaps<'a> {
+    status: StatusHits<'a>,
+    hits: &'a mut [u64],
+    pub(super) latency: u64,
+    pub(super) watched: &'a mut Watched,
+}
+
+impl PlainTaps<'_> {
     /// A tap of `count` lines, one or two, which are in these slots and accessed in these clocks, if all are there: that is counted. Else, or if one must be
     /// waited for, nothing is done and the answer is false. Of one line the other slot is that of whatever follows. Which it is no host can guess.
     #[inline(always)]
-    pub(super) fn pass_plain(&mut self, slots: [u32; 2], count: u8, plane: usize, clocks: [u64; 2]) -> bool {
-        let mut status = self.misses.status.hits();
-        let slots = [slots[0], select_unpredictable(count == 2, slots[1], status.nothing())];
+    pub(super) fn pass(&mut self, slots: [u32; 2], count: u8, plane: usize, clocks: [u64; 2]) -> bool {
+        let slots = [slots[0], select_unpredictable(count == 2, slots[1], self.status.nothing())];
         if (slots[0] | slots[1]) & Slots::MISSED != 0 {
             return false;
         }
-        let Some(merged) = status.hit_two(slots, clocks) else { return false };
+        let Some(merged) = self.status.hit_two(slots, clocks) else { return false };
         self.hits[plane] += u64::from(count) * HIT + merged * MERGED;
         true
+    }
+}
+
+impl<O: TimingObserver> TagUnit<'_, O> {
+    /// For plain taps that are likely to follow.
+    #[inline(always)]
+    pub(super) fn plain(&mut self) -> PlainTaps<'_> {
+        PlainTaps { status: self.misses.status.hits(), hits: self.hits, latency: self.latency, watched: self.watched }
     }
 
     /// Any tap, which has these runs, some of which may be of one line: the clock of its last access, and from which on it is at the door of the data

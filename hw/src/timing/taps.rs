@@ -13,8 +13,6 @@ pub(super) trait Taps {
     fn number(&self) -> usize;
     /// Storage index of the plane.
     fn plane(&self, tap: usize) -> usize;
-    /// Those of taps before this one, for a loop.
-    fn planes_before(&self, end: usize) -> impl Fn(usize) -> usize;
     /// Calls `see` with the addresses it reads, in order.
     fn with_addresses<R>(&self, tap: usize, see: impl FnOnce(&[u64]) -> R) -> R;
     /// How many all taps read.
@@ -50,12 +48,6 @@ impl Taps for InPlace<'_> {
     #[inline(always)]
     fn plane(&self, tap: usize) -> usize {
         self.of_runs.planes[tap] as usize
-    }
-
-    #[inline(always)]
-    fn planes_before(&self, end: usize) -> impl Fn(usize) -> usize {
-        let planes = &self.of_runs.planes[..end];
-        |tap| planes[tap] as usize
     }
 
     #[inline(always)]
@@ -116,11 +108,6 @@ impl Taps for Gathered {
 
     fn plane(&self, tap: usize) -> usize {
         self.taps[tap].0 as usize
-    }
-
-    fn planes_before(&self, end: usize) -> impl Fn(usize) -> usize {
-        let taps = &self.taps[..end];
-        |tap| taps[tap].0 as usize
     }
 
     fn with_addresses<R>(&self, tap: usize, see: impl FnOnce(&[u64]) -> R) -> R {

@@ -114,11 +114,12 @@ impl Avx2 {
     pub(super) fn look_at_banks(
         self,
         taps: Places<'_>,
-        eight: usize,
+        first: usize,
         banks: [Banks; 2],
-    ) -> Option<(bool, [u8; LANES])> {
+        clashes: &mut [[u8; LANES]],
+    ) -> (usize, bool) {
         // SAFETY: as above.
-        unsafe { banks::look(self, taps, eight, banks) }
+        unsafe { banks::look(self, taps, first, banks, clashes) }
     }
 }
 
