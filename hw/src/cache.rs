@@ -16,6 +16,7 @@ mod replacement;
 mod shadow;
 mod tags;
 mod texel_cache;
+mod watches;
 
 pub use counters::{Counters, PlaneCounters};
 pub use first_reference::LineSet;

@@ -8,8 +8,9 @@ use crate::{
 };
 
 use super::{
-    Cache, Counters, Geometry, GeometryError, LineUse, Marks, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
-    Run, RunHits, RunObserver, Runs, ShadowHits, Splitter, Told,
+    Cache, Counters, Geometry, GeometryError, LineUse, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
+    RunObserver, Runs, Splitter, Told,
+    watches::{FullWatch, MissWatch, SomeWatch},
 };
 
 /// Which of the dearer counters to keep. What is not kept costs nothing and reads 0.
@@ -52,21 +53,21 @@ pub struct TexelCache {
 }
 
 #[derive(Clone, Debug)]
-struct Meter {
-    classifier: Option<MissClassifier>,
-    line_use: Option<LineUse>,
-    fills: Option<Fills>,
+pub(super) struct Meter {
+    pub(super) classifier: Option<MissClassifier>,
+    pub(super) line_use: Option<LineUse>,
+    pub(super) fills: Option<Fills>,
 }
 
 /// What filling each line takes from memory.
 #[derive(Clone, Debug)]
-struct Fills {
+pub(super) struct Fills {
     behind: Arc<StoredLines>,
     fetched: u64,
 }
 
 impl Fills {
-    fn fill(&mut self, line: u64) {
+    pub(super) fn fill(&mut self, line: u64) {
         self.fetched += self.behind.bytes(line);
     }
 }
@@ -235,6 +236,10 @@ impl TexelCache {
                 let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, plane_of };
                 self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
+            Meter { classifier: None, line_use: None, fills: None } => {
+                let watch = &mut MissWatch { planes, plane_of };
+                self.cache.access_runs(runs, lookups, &mut (watch, observer));
+            }
             meter => {
                 let watch = &mut SomeWatch { meter, planes, plane_of };
                 self.cache.access_runs(runs, lookups, &mut (watch, observer));
@@ -254,129 +259,5 @@ impl Sink for TexelCache {
             });
         }
         self.take_observed(batch, &mut ());
-    }
-}
-
-/// Every counter, without asking each time which are wanted.
-struct FullWatch<'a> {
-    classifier: &'a mut MissClassifier,
-    marks: Marks<'a, true>,
-    planes: &'a mut [PlaneCounters],
-    /// By tap.
-    plane_of: &'a [u32],
-}
-
-/// Hits of a stretch: their marks, and the shadow's part of them.
-struct FullHits<'h> {
-    marks: Marks<'h, true>,
-    shadow: ShadowHits<'h>,
-}
-
-impl RunHits for FullHits<'_> {
-    #[inline(always)]
-    fn hit(&mut self, run: &mut Run, slot: u32) -> bool {
-        self.marks.hit(run.texels, slot);
-        self.shadow.hit(slot as usize)
-    }
-
-    #[inline(always)]
-    fn close(self) {
-        self.shadow.close();
-    }
-}
-
-impl RunObserver for FullWatch<'_> {
-    type Hits<'h>
-        = FullHits<'h>
-    where
-        Self: 'h;
-
-    #[inline(always)]
-    fn hits(&mut self) -> FullHits<'_> {
-        FullHits { marks: self.marks.lent(), shadow: self.classifier.hits() }
-    }
-
-    #[inline(always)]
-    fn hit(&mut self, run: &mut Run, slot: u32) {
-        self.marks.hit(run.texels, slot);
-        self.classifier.hit(run.line, slot);
-    }
-
-    #[inline(always)]
-    fn miss(&mut self, run: &mut Run, slot: u32, evicted: Option<u64>) {
-        self.marks.miss(run.texels, slot, evicted);
-        let class = self.classifier.miss(run.line, slot);
-        let row = &mut self.planes[self.plane_of[run.tap()] as usize];
-        row.classes.count(class);
-        row.misses += 1;
-    }
-}
-
-/// Some counters.
-struct SomeWatch<'a> {
-    meter: &'a mut Meter,
-    planes: &'a mut [PlaneCounters],
-    /// By tap.
-    plane_of: &'a [u32],
-}
-
-/// The same, of what is wanted.
-struct SomeHits<'h> {
-    marks: Option<Marks<'h, false>>,
-    shadow: Option<ShadowHits<'h>>,
-}
-
-impl RunHits for SomeHits<'_> {
-    #[inline(always)]
-    fn hit(&mut self, run: &mut Run, slot: u32) -> bool {
-        if let Some(marks) = &mut self.marks {
-            marks.hit(run.texels, slot);
-        }
-        self.shadow.as_mut().is_none_or(|shadow| shadow.hit(slot as usize))
-    }
-
-    #[inline(always)]
-    fn close(self) {
-        if let Some(shadow) = self.shadow {
-            shadow.close();
-        }
-    }
-}
-
-impl RunObserver for SomeWatch<'_> {
-    type Hits<'h>
-        = SomeHits<'h>
-    where
-        Self: 'h;
-
-    #[inline(always)]
-    fn hits(&mut self) -> SomeHits<'_> {
-        let Meter { classifier, line_use, .. } = &mut *self.meter;
-        SomeHits { marks: line_use.as_mut().map(LineUse::marks), shadow: classifier.as_mut().map(MissClassifier::hits) }
-    }
-
-    #[inline(always)]
-    fn hit(&mut self, run: &mut Run, slot: u32) {
-        if let Some(line_use) = &mut self.meter.line_use {
-            line_use.marks::<false>().hit(run.texels, slot);
-        }
-        if let Some(classifier) = &mut self.meter.classifier {
-            classifier.hit(run.line, slot);
-        }
-    }
-
-    #[inline(always)]
-    fn miss(&mut self, run: &mut Run, slot: u32, evicted: Option<u64>) {
-        if let Some(line_use) = &mut self.meter.line_use {
-            line_use.marks::<false>().miss(run.texels, slot, evicted);
-        }
-        let row = &mut self.planes[self.plane_of[run.tap()] as usize];
-        if let Some(classifier) = &mut self.meter.classifier {
-            row.classes.count(classifier.miss(run.line, slot));
-        }
-        if let Some(fills) = &mut self.meter.fills {
-            fills.fill(run.line);
-        }
-        row.misses += 1;
     }
 }
