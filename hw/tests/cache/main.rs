@@ -113,7 +113,7 @@ proptest! {
         geometry in prop_oneof![1 => geometries(), 3 => crowded()],
         policy in policies(),
         requests in (1_usize..6).prop_flat_map(requests),
-        detail in prop::sample::select(vec![Detail::default(), Detail { classes: false, line_use: true }]),
+        [classes, line_use] in any::<[bool; 2]>(),
         batch in 1_usize..40,
         as_ends in any::<bool>(),
         texels in prop::sample::select(vec![4, 4, 4, 1]),
@@ -121,7 +121,7 @@ proptest! {
     ) {
         prop_assume!(geometry.line >= 4);
         let surface = Surface::new(PyramidKind::Mipmap, Layout::RowMajor, Format::Rgba8, 4, 4).unwrap();
-        let mut one_by_one = TexelCache::new(geometry, policy, 4, detail).unwrap();
+        let mut one_by_one = TexelCache::new(geometry, policy, 4, Detail { classes, line_use }).unwrap();
         let mut batched = one_by_one.clone();
         for requests in requests.chunks(batch) {
             let taps: Vec<Footprint> = requests.iter().flatten().map(|plan| footprint(plan, addresses)).collect();
