@@ -93,10 +93,13 @@ impl Places<'_> {
     pub(crate) fn addresses(self, tap: usize) -> [u64; 4] {
         match self {
             Self::Footprints(taps) => taps[tap].address,
-            Self::Rows(rows, _) => rows.corners.each_ref().map(|row| match row[tap] {
-                TapRows::OUTSIDE => OUTSIDE,
-                address => address.into(),
-            }),
+            Self::Rows(rows, _) => {
+                let [a, b, c, d] = &rows.corners;
+                [a[tap], b[tap], c[tap], d[tap]].map(|word| match word {
+                    TapRows::OUTSIDE => OUTSIDE,
+                    address => address.into(),
+                })
+            }
         }
     }
 
