@@ -146,6 +146,9 @@ impl AddressBatch<'_> {
 
     /// Calls `see` for each tap, in order of issue, with the number of its request, the storage index of its plane, and the addresses it reads: one a
     /// texel, or one a channel where the layout keeps channels apart; none for a texel outside the texture.
+    ///
+    /// # Panics
+    /// If the last request ends before the last tap.
     #[inline]
     pub fn for_each_tap(&self, mut see: impl FnMut(usize, usize, &[u64])) {
         let channels_apart = self.surface.reads_per_texel() > 1;

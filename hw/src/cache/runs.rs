@@ -230,7 +230,7 @@ pub(super) struct Splitter {
     runs: Vec<Run>,
     /// How many each tap has.
     counts: Vec<u8>,
-    /// Of which plane each tap is, where it does not say so itself.
+    /// Storage index of the plane of each tap, where lanes have not written it.
     planes: Vec<u32>,
     pairs: PlanePairs,
 }

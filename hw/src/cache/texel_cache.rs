@@ -10,7 +10,7 @@ use crate::{
 use super::{
     Cache, Counters, Geometry, GeometryError, LineUse, MissClassifier, Observer, Outcome, PlaneCounters, Policy,
     RunObserver, Runs, Splitter, Told,
-    watches::{FullWatch, MissWatch, SomeWatch},
+    watches::{FullWatch, PlaneRows, SomeWatch},
 };
 
 /// Which of the dearer counters to keep. What is not kept costs nothing and reads 0.
@@ -228,20 +228,19 @@ impl TexelCache {
         }
         let planes = &mut self.planes[..];
         let (runs, taps, lookups) = self.splitter.split(batch, planes);
-        let plane_of = taps.planes;
+        let mut planes = PlaneRows { planes, plane_of: taps.planes };
         match &mut self.meter {
             Meter { classifier: Some(classifier), line_use: Some(line_use), fills: None }
                 if line_use.told() == Told::Bits =>
             {
-                let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes, plane_of };
+                let watch = &mut FullWatch { classifier, marks: line_use.marks(), planes };
                 self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
             Meter { classifier: None, line_use: None, fills: None } => {
-                let watch = &mut MissWatch { planes, plane_of };
-                self.cache.access_runs(runs, lookups, &mut (watch, observer));
+                self.cache.access_runs(runs, lookups, &mut (&mut planes, observer));
             }
             meter => {
-                let watch = &mut SomeWatch { meter, planes, plane_of };
+                let watch = &mut SomeWatch { meter, planes };
                 self.cache.access_runs(runs, lookups, &mut (watch, observer));
             }
         }

@@ -2,13 +2,43 @@
 
 use super::{LineUse, Marks, MissClassifier, PlaneCounters, Run, RunHits, RunObserver, ShadowHits, texel_cache::Meter};
 
+/// The counters of planes, by the taps whose runs are read. On their own: misses, and nothing else.
+pub(super) struct PlaneRows<'a> {
+    pub(super) planes: &'a mut [PlaneCounters],
+    /// By tap.
+    pub(super) plane_of: &'a [u32],
+}
+
+impl PlaneRows<'_> {
+    /// Those of the plane that a run is of.
+    #[inline(always)]
+    fn of(&mut self, run: &Run) -> &mut PlaneCounters {
+        &mut self.planes[self.plane_of[run.tap()] as usize]
+    }
+}
+
+impl RunObserver for PlaneRows<'_> {
+    type Hits<'h>
+        = ()
+    where
+        Self: 'h;
+
+    #[inline(always)]
+    fn hits(&mut self) {}
+    #[inline(always)]
+    fn hit(&mut self, _: &mut Run, _: u32) {}
+
+    #[inline(always)]
+    fn miss(&mut self, run: &mut Run, _: u32, _: Option<u64>) {
+        self.of(run).misses += 1;
+    }
+}
+
 /// Every counter, without asking each time which are wanted.
 pub(super) struct FullWatch<'a> {
     pub(super) classifier: &'a mut MissClassifier,
     pub(super) marks: Marks<'a, true>,
-    pub(super) planes: &'a mut [PlaneCounters],
-    /// By tap.
-    pub(super) plane_of: &'a [u32],
+    pub(super) planes: PlaneRows<'a>,
 }
 
 /// Hits of a stretch: their marks, and the shadow's part of them.
@@ -51,41 +81,16 @@ impl RunObserver for FullWatch<'_> {
     fn miss(&mut self, run: &mut Run, slot: u32, evicted: Option<u64>) {
         self.marks.miss(run.texels, slot, evicted);
         let class = self.classifier.miss(run.line, slot);
-        let row = &mut self.planes[self.plane_of[run.tap()] as usize];
+        let row = self.planes.of(run);
         row.classes.count(class);
         row.misses += 1;
-    }
-}
-
-/// Misses, and nothing else.
-pub(super) struct MissWatch<'a> {
-    pub(super) planes: &'a mut [PlaneCounters],
-    pub(super) plane_of: &'a [u32],
-}
-
-impl RunObserver for MissWatch<'_> {
-    type Hits<'h>
-        = ()
-    where
-        Self: 'h;
-
-    #[inline(always)]
-    fn hits(&mut self) {}
-    #[inline(always)]
-    fn hit(&mut self, _: &mut Run, _: u32) {}
-
-    #[inline(always)]
-    fn miss(&mut self, run: &mut Run, _: u32, _: Option<u64>) {
-        self.planes[self.plane_of[run.tap()] as usize].misses += 1;
     }
 }
 
 /// Some counters.
 pub(super) struct SomeWatch<'a> {
     pub(super) meter: &'a mut Meter,
-    pub(super) planes: &'a mut [PlaneCounters],
-    /// By tap.
-    pub(super) plane_of: &'a [u32],
+    pub(super) planes: PlaneRows<'a>,
 }
 
 /// The same, of what is wanted.
@@ -138,7 +143,7 @@ impl RunObserver for SomeWatch<'_> {
         if let Some(line_use) = &mut self.meter.line_use {
             line_use.marks::<false>().miss(run.texels, slot, evicted);
         }
-        let row = &mut self.planes[self.plane_of[run.tap()] as usize];
+        let row = self.planes.of(run);
         if let Some(classifier) = &mut self.meter.classifier {
             row.classes.count(classifier.miss(run.line, slot));
         }

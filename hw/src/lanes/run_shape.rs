@@ -2,6 +2,7 @@
 
 /// Of a cache and a texel.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "only lanes ask"))]
 pub(crate) struct RunShape {
     /// Bits of an address within a line, and within a texel.
     pub(crate) line_shift: u32,

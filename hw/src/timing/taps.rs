@@ -17,7 +17,7 @@ pub(super) trait Taps {
     fn with_addresses<R>(&self, tap: usize, see: impl FnOnce(&[u64]) -> R) -> R;
     /// How many all taps read.
     fn reads(&self) -> u64;
-    /// Tells of which planes taps are, as [`PlanePairs`] does or one by one; last, how much each of them reads.
+    /// Tells of which planes taps are, as [`PlanePairs`](crate::address_stream::PlanePairs) does or one by one; last, how much each of them reads.
     fn count_planes(&self, add: impl FnMut(&[u32], u64, u64));
     /// Whether the words of each tap are known to be in as many data banks as they are.
     fn all_apart(&self) -> bool;
